@@ -43,8 +43,8 @@ FEWEST_PIECES = 6  # of the recordings: the range of n draws holds the median in
 @dataclass(frozen=True)
 class PosteriorContext:
     """What an answer needs beside the search: the fitted model of the paper, the recordings, the number of coordinates
-    that their shapes show, the reduction's error (None: not known), the detection limits, and the laws of the arm's
-    own that the baseline showed.
+    that their shapes show, the reduction's error (None: not known), the detection limits, and the laws that
+    are taken as the arm's own, with the sentence that says why.
     """
 
     paper: tuple[Problem, Fit]
@@ -52,7 +52,7 @@ class PosteriorContext:
     order: int
     reduction: ModelDiscrepancy | None
     limits: dict[str, dict[str, Limit]]
-    taken: tuple[str, ...] = ()
+    taken: dict[str, str]
 
 
 def assemble_posterior(

@@ -10,6 +10,12 @@ A law that was taken must raise the evidence of the baseline's recordings by as 
 known as roughly as that of any law that is added: the model with it leaves a share of FORM of what it explains, and of
 the nats that it gains an effect that it resembles may gain FORM_ALIKE^2 (discovery.decide).
 
+A baseline that moves little shows little. So a recording may show a law of this kind that acts in the baseline too.
+Where the answer is such laws alone, they are taken as the arm's own if all recordings together are likelier with them
+in each than with them where they were named:
+
+    evidence(y, y_baseline | law in all) > evidence(y, y_baseline | law in y)
+
 Where the declared model is far from the baseline, the first order says nothing. Each law of the material is then fitted
 with the base parameters by least squares, from all of its starts, and the best is taken if
 
@@ -24,15 +30,28 @@ from functools import partial
 
 import numpy as np
 
+from affine_model.curvature import Array
 from affine_model.effects import catalogue
-from discovery.decide import FORM, added_coarsening, form_coarsening, odds_against
-from discovery.rank import RankedSet
+from discovery.answer import MOST_EFFECTS
+from discovery.decide import (
+    FORM,
+    MOST_DECLARED_FORM,
+    PosteriorDecision,
+    added_coarsening,
+    baseline_coarsening,
+    bounds_met,
+    form_coarsening,
+    odds_against,
+)
+from discovery.rank import RankedSet, ranking
 from discovery.side_by_side import side_by_side
 from discovery.starts import with_candidates
 from inference.base_fit import Setting, rough_base_fit
 from inference.fit import Fit
 from inference.motion import motion_nats
-from inference.posterior import FORCE_SHARES, Hypothesis
+from inference.posterior import FORCE_SHARES, Hypothesis, baseline_alone, with_rest
+from inference.prepare import CannotTellError
+from inference.trajectory import Problem
 
 MATERIAL = ("viscoelasticity", "amplitude_damping", "cubic_stiffness", "dry_friction")  # laws that any arm may have
 WATER = ("linear_drag", "skin_drag", "added_mass")
@@ -52,6 +71,10 @@ class BaselineError:
     evidence: float
     structured: float
 
+    def told(self, base: Hypothesis) -> Hypothesis:
+        """The declared model's hypothesis with what its baseline says."""
+        return replace(base, baseline_share=self.share, baseline_rest=self.rest, baseline_coarsening=self.coarsening)
+
     def beside(self, without: BaselineError) -> BaselineError:
         """The same where laws were taken, without which it was another: their form is known like that of added laws."""
         share, rest = float(np.hypot(self.share, FORM * without.share)), self.rest + FORM**2 * without.rest
@@ -61,16 +84,86 @@ class BaselineError:
 
 @dataclass(frozen=True)
 class Taken:
-    """Laws that a baseline showed, the fit with the last of them where it begins, and the number of coordinates.
+    """Laws that are taken as the arm's own, each with the sentence that says why; the fit with them where it begins,
+    and the number of coordinates.
 
-    least [nats]: log evidence that the baseline's recordings must have with them. without: the error without any.
+    without: the baseline's error without any. least [nats]: log evidence that the baseline's recordings must have with
+    them. together [nats]: that all recordings must have (None: it is not asked).
     """
 
-    laws: tuple[str, ...]
+    laws: dict[str, str]
     warm: Fit
     order: int
-    least: float
     without: BaselineError
+    least: float = -np.inf
+    together: float | None = None
+
+    def require(self, base: Hypothesis) -> None:
+        """CannotTellError where all recordings together do not ask for these laws in each."""
+        if self.together is None:
+            return
+        if float(base.log_evidence.max()) < self.together or bounds_met(base.fitted, self.laws):
+            raise CannotTellError(f"{' and '.join(self.laws)} does not act in all recordings")
+
+
+@dataclass(frozen=True)
+class BaselineShows:
+    """What the baseline's recordings show of the model: its error there, and without any law that was taken; the laws
+    beside `taken` of which one may be taken too; the number of coordinates.
+    """
+
+    error: BaselineError
+    without: BaselineError
+    taken: Taken | None
+    more: tuple[Taken, ...]
+    order: int
+
+    @property
+    def laws(self) -> dict[str, str]:
+        """The laws that were taken."""
+        return {} if self.taken is None else self.taken.laws
+
+    def in_all(self, decision: PosteriorDecision) -> Taken | None:
+        """The laws that a recording showed, if they alone are the answer, as laws of the arm's own."""
+        best, named = decision.leading, set(decision.leading.effects)
+        if decision.verdict not in ("effect", "group") or not named or not named <= {*MATERIAL, *WATER}:
+            return None
+        if len(self.laws) + len(named) > MOST_EFFECTS:
+            return None
+        laws = self.laws | {law: f"The recordings are likelier with {law} in the baseline too." for law in best.effects}
+        return Taken(laws, best.fitted, self.order, self.without, together=float(best.log_evidence.max()))
+
+
+def baseline_of(problem: Problem, nuisances: tuple[Array, ...], setting: Setting, taken: Taken | None) -> BaselineShows:
+    """What the baseline's recordings show. CannotTellError where the runs leave all bounds there, or where a law that
+    was taken for their sake stands at a bound or does not raise their evidence.
+    """
+    begins = [problem] if taken is None else [problem, replace(problem, parameters=taken.warm.parameters)]
+    found = side_by_side([partial(baseline_alone, one, nuisances) for one in begins])
+    if not found:
+        raise CannotTellError("the runs of the declared model leave all bounds in the baseline's recordings")
+    known = with_rest(max(found, key=lambda h: float(h.log_evidence.max())))
+    evidence = float(known.log_evidence.max())
+    by_baseline = taken is not None and taken.together is None
+    if taken is not None and by_baseline and (evidence < taken.least or bounds_met(known.fitted, taken.laws)):
+        raise CannotTellError(f"{tuple(taken.laws)[-1]} is not the arm's own law")
+    ranked, least = ranking(known, MOST_EFFECTS).sets, least_gain(known)
+    coarsening = baseline_coarsening((len(one.names), one.evidence) for one in ranked)
+    error = BaselineError(known.share, max(known.rest, 0.0), coarsening, evidence, known.structured)
+    without = error if taken is None else taken.without
+    shows = BaselineShows(error if taken is None else error.beside(without), without, taken, (), setting.order)
+    if len(shows.laws) == MOST_EFFECTS or (taken is not None and not by_baseline):
+        return shows
+    if known.share > MOST_DECLARED_FORM:
+        best = law_that_leaves_least(setting)
+        begun = [] if best is None else [best]
+    else:
+        begun = [(one.names[0], begun_with(known.fitted, one)) for one in laws_shown(ranked, least)]
+    more = []
+    for law, warm in begun:
+        laws = shows.laws | {law: f"The baseline's own recordings show {law}."}
+        more.append(Taken(laws, warm, setting.order, without, evidence + least))
+    return replace(shows, more=tuple(more))
 
 
 def least_gain(known: Hypothesis) -> float:

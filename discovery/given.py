@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from discovery.calibration import Calibration
@@ -26,12 +26,12 @@ class Given:
         """Every recording."""
         return (*self.recordings, *self.baseline, *self.held_out)
 
-    def with_law(self, name: str) -> Given:
-        """The same with one more law of the arm's own declared in every recording."""
+    def with_laws(self, names: Iterable[str]) -> Given:
+        """The same with more laws of the arm's own declared in every recording."""
 
         def declared(one: Recording) -> Recording:
             specimen = one.declaration.specimen
-            own = replace(specimen, laws=(*specimen.laws, name))
+            own = replace(specimen, laws=(*specimen.laws, *names))
             return replace(one, declaration=replace(one.declaration, specimen=own))
 
         parts = ([declared(one) for one in part] for part in (self.recordings, self.baseline, self.held_out))

@@ -13,22 +13,13 @@ from dataclasses import replace
 from functools import partial
 
 from affine_model.curvature import Array
-from discovery.answer import MOST_EFFECTS
 from discovery.assemble import PosteriorContext, assemble_posterior
-from discovery.baseline_law import (
-    BaselineError,
-    Taken,
-    begun_with,
-    law_that_leaves_least,
-    laws_shown,
-    least_gain,
-)
-from discovery.decide import MOST_DECLARED_FORM, baseline_coarsening, bounds_met, decide_by_mass, missing_of
+from discovery.baseline_law import Taken, baseline_of
+from discovery.decide import decide_by_mass, missing_of
 from discovery.detection import detection_limits
 from discovery.given import Deciding, Given, held_out_run
 from discovery.laws.propose import propose_laws
 from discovery.laws.rivals import sought_forms, with_laws
-from discovery.rank import ranking
 from discovery.search import search_posterior
 from discovery.side_by_side import side_by_side
 from inference.base_fit import Setting, fit_baseline_alone, fitted_order, most_coordinates, needed_order, rough_base_fit
@@ -41,7 +32,6 @@ from inference.one_arm import one_arm
 from inference.posterior import (
     FORCE_SHARES,
     Hypothesis,
-    baseline_alone,
     declared_model,
     followed_closely,
     with_derivatives,
@@ -85,14 +75,18 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage, tak
         rough = replace(setting, experiments=problem.experiments)
         problem, fitted = fit_baseline_alone(rough, problem.arm.order, warm=fitted)
     fine = _cut(replace(problem, step=FINER * sufficient_step(problem, fitted)))
-    known, begun = _baseline_shows(fine, fitted.nuisances, setting, taken) if complete else ({}, ())
-    for more in begun:
+    baseline_shows = baseline_of(fine, fitted.nuisances, setting, taken) if complete else None
+    for more in () if baseline_shows is None else baseline_shows.more:
         with suppress(CannotTellError):  # with it the runs leave all bounds, or it stands at a bound
-            return close_loop(given.with_law(more.laws[-1]), seed, deciding, progress, more)
+            return close_loop(given.with_laws(tuple(more.laws)[-1:]), seed, deciding, progress, more)
     progress("running the reference")
     reduction = model_discrepancy(problem, fitted)
     progress("searching the catalogue")
-    base = replace(_base(fine, fitted, reduction), **known)
+    base = _base(fine, fitted, reduction)
+    if taken is not None:
+        taken.require(base)
+    if baseline_shows is not None:
+        base = baseline_shows.error.told(base)
     base = replace(base, motion=motion_nats(base.problem, base.fitted, base.forces, FORCE_SHARES[0]))
     found = search_posterior(
         base,
@@ -100,7 +94,11 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage, tak
         lambda done: progress("searching the catalogue", done),
     )
     hypotheses = list(found.hypotheses)
-    leading = with_derivatives(decide_by_mass(hypotheses).leading)
+    first = decide_by_mass(hypotheses)
+    if baseline_shows is not None and (more := baseline_shows.in_all(first)) is not None:
+        with suppress(CannotTellError):  # the recordings are likelier with these laws where they were named
+            return close_loop(given.with_laws(first.leading.effects), seed, deciding, progress, more)
+    leading = with_derivatives(first.leading)
     limits = detection_limits(leading, missing_of(hypotheses).temperature)
     progress("comparing")
     found = replace(found, hypotheses=tuple(_whole(h, prepared) for h in found.hypotheses))
@@ -113,7 +111,7 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage, tak
             prepared, open_loop.problem.experiments, open_loop.fitted.residuals, strict=False
         )
     ]
-    around = PosteriorContext(paper, shown, order, reduction, limits, () if taken is None else taken.laws)
+    around = PosteriorContext(paper, shown, order, reduction, limits, {} if taken is None else taken.laws)
     answer = assemble_posterior(found, decision, open_loop, around, seed, deciding)
     own_error = decision.leading.share <= base.baseline_share
     named = sought_forms(answer, own_error) if deciding.laws else ()
@@ -135,39 +133,6 @@ def _base(problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None) -> 
     if not found:
         raise CannotTellError("the runs of the declared model leave all bounds wherever it is fitted")
     return max(found, key=lambda h: float(h.log_evidence.max()))
-
-
-def _baseline_shows(
-    problem: Problem, nuisances: tuple[Array, ...], setting: Setting, taken: Taken | None
-) -> tuple[dict[str, float], tuple[Taken, ...]]:
-    """What the baseline's recordings show of the declared model's own error: the share of unknown forces there, the
-    residual that it leaves, and the coarsening with which no absent effect is named there; and, beside the laws that
-    were taken, those of which one may be taken too. CannotTellError where one that was taken stands at a bound.
-    """
-    begins = [problem] if taken is None else [problem, replace(problem, parameters=taken.warm.parameters)]
-    found = side_by_side([partial(baseline_alone, one, nuisances) for one in begins])
-    if not found:
-        raise CannotTellError("the runs of the declared model leave all bounds in the baseline's recordings")
-    known = with_rest(max(found, key=lambda h: float(h.log_evidence.max())))
-    laws: tuple[str, ...] = () if taken is None else taken.laws
-    evidence = float(known.log_evidence.max())
-    if taken is not None and (evidence < taken.least or bounds_met(known.fitted, laws)):
-        raise CannotTellError(f"{taken.laws[-1]} is not the arm's own law")
-    ranked, least = ranking(known, MOST_EFFECTS).sets, least_gain(known)
-    coarsening = baseline_coarsening((len(one.names), one.evidence) for one in ranked)
-    error = BaselineError(known.share, max(known.rest, 0.0), coarsening, evidence, known.structured)
-    without = error if taken is None else taken.without
-    error = error if taken is None else error.beside(without)
-    told = {"baseline_share": error.share, "baseline_rest": error.rest, "baseline_coarsening": error.coarsening}
-    if len(laws) == MOST_EFFECTS:
-        return told, ()
-    if known.share > MOST_DECLARED_FORM:
-        best = law_that_leaves_least(setting)
-        begun = [] if best is None else [best]
-    else:
-        begun = [(one.names[0], begun_with(known.fitted, one)) for one in laws_shown(ranked, least)]
-    more = (Taken((*laws, law), warm, setting.order, evidence + least, without) for law, warm in begun)
-    return told, tuple(more)
 
 
 def _declared(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:

@@ -20,13 +20,15 @@ SILENT = 0.9  # of the declared spread: if the fit leaves more than this share, 
 LIKELY = 1.96  # of a normal number that is cut at its most likely value, 95 % lies within so many standard deviations
 
 
-def declared_words(problem: Problem, fitted: Fit, inflation: float = 1.0, taken: tuple[str, ...] = ()) -> list[str]:
+def declared_words(
+    problem: Problem, fitted: Fit, inflation: float = 1.0, taken: Mapping[str, str] | None = None
+) -> list[str]:
     """A sentence for each law of the arm's own, with its parameters and their 95 % intervals, and for each uncertain
     number: what was declared, what the data say, and whether the two agree. inflation: see inference.estimates. taken:
-    laws that were not declared, but that the baseline showed.
+    laws that were not declared, and the sentence that says why they are counted as the arm's own.
     """
-    table = estimates(problem, fitted, inflation)
-    words = [_law_sentence(name, table[name], name in taken) for name in problem.arm.specimen.laws if name in table]
+    table, why = estimates(problem, fitted, inflation), taken or {}
+    words = [_law_sentence(name, table[name], why.get(name)) for name in problem.arm.specimen.laws if name in table]
     for name, number in zip(names_of(problem.declared), problem.declared, strict=True):
         if name not in fitted.free:
             continue
@@ -36,12 +38,10 @@ def declared_words(problem: Problem, fitted: Fit, inflation: float = 1.0, taken:
     return words
 
 
-def _law_sentence(name: str, fitted: Mapping[str, Estimate], taken: bool) -> str:
+def _law_sentence(name: str, fitted: Mapping[str, Estimate], why: str | None) -> str:
     values = ", ".join(f"{key} = {e.with_unit} ({e.interval_words})" for key, e in fitted.items())
-    if taken:
-        return (
-            f"The baseline's own recordings show {name}. It is taken as the arm's own law, in all recordings: {values}."
-        )
+    if why is not None:
+        return f"{why} It is taken as the arm's own law, in all recordings: {values}."
     return f"The declared law {name} acts in all recordings: {values}."
 
 

@@ -14,6 +14,7 @@ missing force.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +24,7 @@ from scipy.interpolate import CubicSpline
 from affine_model.arm import Arm, active_effects
 from affine_model.curvature import Array
 from affine_model.dynamics import Instant, balance
-from inference.cells import Cells
+from inference.cells import CELLS, Cells
 from inference.experiment import SHIFT_PRIOR, ZERO_PRIOR, Experiment, predict, whitened_residuals
 from inference.fit import Fit
 from inference.latent_force import LatentForce
@@ -40,8 +41,8 @@ class SeenMotion:
 
     t (T,) [s]; u, rate and acceleration (T, n + 2); force (T, n) [N m]: the generalised force that the model misses;
     spread (T, n): its standard deviation; share: the most likely size of the latent force, as a share of the acting
-    forces; instant: the same times, with the base's travel where it travels. seen (T,) bool: frames were used then,
-    just before and just after; elsewhere the smoother returns to the model, and the force is the one that this takes.
+    forces; instant: the same times, with the base's travel where it travels. seen (T,) bool: frames were used
+    before and after; elsewhere the smoother returns to the model, and the force is the one that this takes.
     """
 
     t: Array
@@ -126,11 +127,16 @@ def _motion(
 
 
 def _between_frames(cells: Cells, t: Array) -> NDArray[np.bool_]:
-    """Whether the cell of each time (T,) has frames, and both of its neighbours have."""
-    filled = np.zeros(cells.t.size + 2, dtype=np.bool_)
-    filled[cells.cell + 1] = True
-    at = np.clip(np.rint((t - cells.t[0]) / cells.interval).astype(np.intp), 0, cells.t.size - 1)
-    return np.asarray((filled[:-2] & filled[1:-1] & filled[2:])[at])
+    """Whether frames fill half of the cells or more within twice the latent force's time, before each time (T,) and
+    after it: so it is farther than that force's time from an end and from a gap that is longer.
+    """
+    reach = math.ceil(2.0 * CELLS)
+    filled = np.zeros(cells.t.size + 2 * reach + 1)
+    filled[cells.cell + reach + 1] = 1.0
+    until = np.cumsum(filled)  # cell k is entry k + reach + 1
+    k = np.clip(np.rint((t - cells.t[0]) / cells.interval).astype(np.intp), 0, cells.t.size - 1)
+    before, after = until[k + reach] - until[k], until[k + 2 * reach + 1] - until[k + reach + 1]
+    return np.asarray(np.minimum(before, after) >= 0.5 * reach)
 
 
 def lacking(arm: Arm, parameters: Array, motion: tuple[Array, Array, Array], at: Instant) -> Array:

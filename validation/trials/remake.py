@@ -14,8 +14,8 @@ from validation.trials.series import AnyDesign, baseline_of, made
 
 
 def remake(designs: Sequence[AnyDesign], chosen: Sequence[int], out: Path) -> Iterator[Path]:
-    """Write the chosen trials' recordings, and the baselines that were made for them, for `tentacle diagnose`; yields the
-    path of each trial's .rrd file once it is written.
+    """Write the chosen trials' recordings, and the baselines that were made for them, for `tentacle diagnose`; yields
+    the path of each trial's .rrd file once it is written.
     """
     for index in chosen:
         if not 0 <= index < len(designs):
