@@ -55,6 +55,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="LIST",
         help=f"simulators that hide the effects, drawn at random for each trial (default {PLANTS})",
     )
+    parser.add_argument(
+        "--repeats",
+        action="store_true",
+        help="every arm has one or two laws of its own that nobody declares, and each diagnosis has a baseline of it",
+    )
     parser.add_argument("--kinds", default=KINDS, metavar="LIST", help=f"kinds of trials (default {KINDS})")
     parser.add_argument(
         "--only",

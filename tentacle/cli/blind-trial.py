@@ -42,12 +42,15 @@ def run(arguments: argparse.Namespace) -> int:
             if given:
                 raise InputError("a simulated arm has none", field=field, expected="--like RECORDING beside it")
         plants = comma_separated(arguments.plant or PLANTS)
-        found = plant_designs(arguments.count, arguments.seed, plants=plants, kinds=kinds, video_share=share)
-        options = f"--plant {','.join(plants)} --video-share {share:g}"
+        found = plant_designs(
+            arguments.count, arguments.seed, plants=plants, kinds=kinds, video_share=share, repeats=arguments.repeats
+        )
+        options = f"--plant {','.join(plants)} --video-share {share:g}{' --repeats' if arguments.repeats else ''}"
     else:
         for field, given, expected in (
             ("--video-share", arguments.video_share, "the recording says how"),
             ("--plant", arguments.plant, "the reference makes them"),
+            ("--repeats", arguments.repeats or None, "--baseline gives real ones"),
         ):
             if given is not None:
                 raise InputError("not together with --like", field=field, expected=expected)
