@@ -1,0 +1,110 @@
+"""The declared model: fitted to all recordings, to the baseline's alone, and with the laws that these show."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+
+from discovery.baseline_law import BaselineShows, Taken, baseline_of
+from discovery.given import Deciding, Given, held_out_run
+from inference.base_fit import Setting, fit_baseline_alone, fitted_order, most_coordinates, needed_order, rough_base_fit
+from inference.experiment import PARAMETER_SPREAD
+from inference.fit import Fit
+from inference.one_arm import one_arm
+from inference.prepare import CannotTellError, Prepared, prepare
+from inference.sufficient_step import sufficient_step
+from inference.trajectory import Problem
+from tentacle.progress import Stage
+
+FINER = 0.5  # of the sufficient step of the declared model: added laws may need a finer one
+
+
+@dataclass(frozen=True)
+class DeclaredFit:
+    """given: the recordings, and prepared: what is diagnosed of them. order: curvature coordinates that they show;
+    paper: the fit with two. problem, fitted: with all of them; fine: the same with the steps of the search. shows: what
+    the baseline says (None: there is none). taken: laws that were taken for its sake.
+    """
+
+    given: Given
+    prepared: list[Prepared]
+    order: int
+    paper: tuple[Problem, Fit]
+    problem: Problem
+    fitted: Fit
+    fine: Problem
+    shows: BaselineShows | None
+    taken: Taken | None
+
+    @property
+    def own_laws(self) -> dict[str, str]:
+        """The laws that were taken, each with the sentence that says why."""
+        return {} if self.taken is None else self.taken.laws
+
+
+def fit_declared(given: Given, deciding: Deciding, progress: Stage, taken: Taken | None = None) -> DeclaredFit:
+    """The fits of the model that is declared in these recordings. taken: laws that were added to the declaration, and
+    where the fits begin. CannotTellError where the runs leave all bounds, or where a law does not serve.
+    """
+    progress("reading shapes")
+    prepared, setting = _prepared(given, deciding)
+    progress("fitting the declared model")
+    order = needed_order(setting) if taken is None else taken.order
+    setting = replace(setting, order=order)
+    paper = rough_base_fit(setting, 2, warm=None if taken is None else taken.warm)
+    progress("fitting the declared model", 0.4)
+    problem, fitted = paper
+    if order > 2:
+        rough = replace(setting, experiments=problem.experiments)
+        warm = fitted if taken is None else taken.warm
+        problem, fitted = rough_base_fit(rough, fitted_order(order, most_coordinates(problem)), warm=warm)
+    if given.baseline:
+        rough = replace(setting, experiments=problem.experiments)
+        problem, fitted = fit_baseline_alone(rough, problem.arm.order, warm=fitted)
+    fine = as_fitted(replace(problem, step=FINER * sufficient_step(problem, fitted)))
+    shows = baseline_of(fine, fitted.nuisances, setting, taken) if given.baseline else None
+    return DeclaredFit(given, prepared, order, paper, problem, fitted, fine, shows, taken)
+
+
+def with_own_laws(declared: DeclaredFit, deciding: Deciding, progress: Stage) -> DeclaredFit:
+    """The fit with the laws that the baseline shows, taken one after the other: each time the one with which the
+    baseline's recordings are likeliest.
+    """
+    shows = declared.shows
+    while shows is not None and shows.more:
+        found: list[tuple[float, DeclaredFit]] = []
+        for more in shows.more:
+            with suppress(CannotTellError):  # with it the runs leave all bounds, or it stands at a bound
+                one = fit_declared(declared.given.with_laws([more.newest]), deciding, progress, more)
+                if one.shows is not None:
+                    found.append((one.shows.error.evidence, one))
+        if not found:
+            break
+        declared = max(found, key=lambda pair: pair[0])[1]
+        shows = declared.shows
+    return declared
+
+
+def _prepared(given: Given, deciding: Deciding) -> tuple[list[Prepared], Setting]:
+    """What is diagnosed, and the setting of its fits with the baseline's recordings last."""
+    read = partial(prepare, device=deciding.device)
+    prepared = [read(recording, hold_out=not given.held_out) for recording in given.recordings]
+    prepared += [held_out_run(read(recording, hold_out=False)) for recording in given.held_out]
+    complete = [read(recording, hold_out=False) for recording in given.baseline]
+    complete = [replace(p, experiment=replace(p.experiment, complete=True)) for p in complete]
+    declaration, together = one_arm([*prepared, *complete])
+    setting = Setting(declaration, tuple(p.experiment for p in together), 2)
+    if len(setting.experiments) > 1:
+        varies = tuple(name for name in setting.base_free() if name[0] in PARAMETER_SPREAD)
+        setting = replace(setting, experiments=tuple(replace(e, varies=varies) for e in setting.experiments))
+    return together[: len(prepared)], setting
+
+
+def as_fitted(problem: Problem) -> Problem:
+    """The problem with each run simulated only as far as it is fitted."""
+    experiments = []
+    for e in problem.experiments:
+        last = float(e.observation.t[e.used].max()) - (e.t0 if e.release is None else e.release)
+        experiments.append(replace(e, duration=min(e.duration, last + 0.3)))
+    return replace(problem, experiments=tuple(experiments))
