@@ -1,11 +1,10 @@
 """Which laws of the material or of the water the baseline's own recordings show: they are the arm's, and act in all.
 
-    gain(laws | baseline) / T > odds(laws),        T: that of the declared laws' form (discovery.decide)
+    gain(law | baseline) / T > odds(1),        T: that of the declared laws' form (discovery.decide)
 
-So laws are taken as the arm's own where they would be named if the baseline were diagnosed by itself: one, two or three
-of them. Of each size the set is fitted that gains most to first order, and that one is taken which then gains most
-beyond what its prior asks for. Then the others are asked again. Nothing but a law that any arm may have is taken: a
-payload, a soft spot or a drift of the baseline is none.
+So a law is taken as the arm's own where it would be named if the baseline were diagnosed by itself. Of several the one
+is taken with which, fitted, the baseline is likeliest; then the others are asked again. Nothing but a law that any arm
+may have is taken: a payload, a soft spot or a drift of the baseline is none.
 
 A law that was taken must raise the evidence of the baseline's recordings by as much, and stand at no bound. Its form is
 known as roughly as that of any law that is added: the model with it leaves a share of FORM of what it explains, and of
@@ -56,6 +55,7 @@ from inference.trajectory import Problem
 
 MATERIAL = ("viscoelasticity", "amplitude_damping", "cubic_stiffness", "dry_friction")  # laws that any arm may have
 WATER = ("linear_drag", "skin_drag", "added_mass")
+TRIED = 3  # of those that gain most to first order, to find the one that does when it is fitted
 MOST_LEFT = 0.5  # of the error of a baseline that is far from its model: a law that leaves more is not its cause
 
 
@@ -98,6 +98,11 @@ class Taken:
     without: BaselineError
     least: float = -np.inf
     together: float | None = None
+
+    @property
+    def newest(self) -> str:
+        """The law that was taken last."""
+        return tuple(self.laws)[-1]
 
     def require(self, base: Hypothesis) -> None:
         """CannotTellError where all recordings together do not ask for these laws in each."""
@@ -147,44 +152,39 @@ def baseline_of(problem: Problem, nuisances: tuple[Array, ...], setting: Setting
     evidence = float(known.log_evidence.max())
     by_baseline = taken is not None and taken.together is None
     if taken is not None and by_baseline and (evidence < taken.least or bounds_met(known.fitted, taken.laws)):
-        raise CannotTellError(f"{' and '.join(taken.laws)} is not the arm's own law")
-    ranked = ranking(known, MOST_EFFECTS).sets
-    another_day = baseline_coarsening((len(one.names), one.evidence) for one in ranked)
-    error = BaselineError(known.share, max(known.rest, 0.0), another_day, evidence, known.structured)
+        raise CannotTellError(f"{taken.newest} is not the arm's own law")
+    ranked, least = ranking(known, MOST_EFFECTS).sets, least_gain(known)
+    coarsening = baseline_coarsening((len(one.names), one.evidence) for one in ranked)
+    error = BaselineError(known.share, max(known.rest, 0.0), coarsening, evidence, known.structured)
     without = error if taken is None else taken.without
     shows = BaselineShows(error if taken is None else error.beside(without), without, taken, (), setting.order)
-    room = MOST_EFFECTS - len(shows.laws)
-    if room == 0 or (taken is not None and not by_baseline):
+    if len(shows.laws) == MOST_EFFECTS or (taken is not None and not by_baseline):
         return shows
-    coarse = form_coarsening(motion_nats(known.problem, known.fitted, known.forces, FORCE_SHARES[0]))
     if known.share > MOST_DECLARED_FORM:
         best = law_that_leaves_least(setting)
-        begun = [] if best is None else [((best[0],), best[1])]
+        begun = [] if best is None else [best]
     else:
-        begun = [(one.names, begun_with(known.fitted, one)) for one in laws_shown(ranked, coarse, room)]
+        begun = [(one.names[0], begun_with(known.fitted, one)) for one in laws_shown(ranked, least)[:TRIED]]
     more = []
-    for names, warm in begun:
-        laws = shows.laws | {law: f"The baseline's own recordings show {law}." for law in names}
-        more.append(Taken(laws, warm, setting.order, without, evidence + coarse * odds_against(len(names))))
+    for law, warm in begun:
+        laws = shows.laws | {law: f"The baseline's own recordings show {law}."}
+        more.append(Taken(laws, warm, setting.order, without, evidence + least))
     return replace(shows, more=tuple(more))
 
 
-def laws_shown(ranked: Iterable[RankedSet], coarsening: float, room: int) -> list[RankedSet]:
-    """Of the sets of one law of an arm, of two and so on up to `room`, the one of each size that gains most to first
-    order, where it gains more than what its prior asks for.
-    """
-    best: dict[int, RankedSet] = {}
-    for one in ranked:
-        size = len(one.names)
-        if size > room or not set(one.names) <= {*MATERIAL, *WATER}:
-            continue
-        if one.evidence > coarsening * odds_against(size) and (size not in best or one.evidence > best[size].evidence):
-            best[size] = one
-    return [best[size] for size in sorted(best)]
+def least_gain(known: Hypothesis) -> float:
+    """Nats that a law must gain in the baseline's recordings to be named there. known: the declared model of these."""
+    return form_coarsening(motion_nats(known.problem, known.fitted, known.forces, FORCE_SHARES[0])) * odds_against(1)
+
+
+def laws_shown(ranked: Iterable[RankedSet], least: float) -> list[RankedSet]:
+    """The laws of an arm that gain more than so many nats to first order, the one that gains most first."""
+    single = [one for one in ranked if len(one.names) == 1 and one.names[0] in (*MATERIAL, *WATER)]
+    return sorted((one for one in single if one.evidence > least), key=lambda one: -one.evidence)
 
 
 def begun_with(fitted: Fit, shown: RankedSet) -> Fit:
-    """A fit of the baseline with more laws where the linear estimate about it puts them."""
+    """A fit of the baseline with one more law where the linear estimate about it puts that."""
     chosen = list(zip(shown.candidates, shown.strengths, strict=True))
     return replace(fitted, parameters=with_candidates(fitted.parameters, chosen, 1.0))
 

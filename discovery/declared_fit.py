@@ -68,18 +68,17 @@ def fit_declared(given: Given, deciding: Deciding, progress: Stage, taken: Taken
 
 
 def with_own_laws(declared: DeclaredFit, deciding: Deciding, progress: Stage) -> DeclaredFit:
-    """The fit with the laws that the baseline shows: of the sets that it offers the one that gains most there, beyond
-    what its prior asks for, and then the same again.
+    """The fit with the laws that the baseline shows, taken one after the other: each time the one with which the
+    baseline's recordings are likeliest.
     """
     shows = declared.shows
     while shows is not None and shows.more:
         found: list[tuple[float, DeclaredFit]] = []
         for more in shows.more:
             with suppress(CannotTellError):  # with it the runs leave all bounds, or it stands at a bound
-                new = [law for law in more.laws if law not in declared.own_laws]
-                one = fit_declared(declared.given.with_laws(new), deciding, progress, more)
+                one = fit_declared(declared.given.with_laws([more.newest]), deciding, progress, more)
                 if one.shows is not None:
-                    found.append((one.shows.error.evidence - more.least, one))
+                    found.append((one.shows.error.evidence, one))
         if not found:
             break
         declared = max(found, key=lambda pair: pair[0])[1]
