@@ -3,8 +3,8 @@
     gain(law | baseline) / T > odds(1),        T: that of the declared laws' form (discovery.decide)
 
 So a law is taken as the arm's own where it would be named if the baseline were diagnosed by itself. Of several the one
-is taken with which, fitted, the baseline is likeliest; then the others are asked again. Nothing but a law that any arm
-may have is taken: a payload, a soft spot or a drift of the baseline is none.
+that gains most is taken; then the others are asked again. Nothing but a law that any arm may have is taken: a payload,
+a soft spot or a drift of the baseline is none.
 
 A law that was taken must raise the evidence of the baseline's recordings by as much, and stand at no bound. Its form is
 known as roughly as that of any law that is added: the model with it leaves a share of FORM of what it explains, and of
@@ -55,7 +55,6 @@ from inference.trajectory import Problem
 
 MATERIAL = ("viscoelasticity", "amplitude_damping", "cubic_stiffness", "dry_friction")  # laws that any arm may have
 WATER = ("linear_drag", "skin_drag", "added_mass")
-TRIED = 3  # of those that gain most to first order, to find the one that does when it is fitted
 MOST_LEFT = 0.5  # of the error of a baseline that is far from its model: a law that leaves more is not its cause
 
 
@@ -164,7 +163,7 @@ def baseline_of(problem: Problem, nuisances: tuple[Array, ...], setting: Setting
         best = law_that_leaves_least(setting)
         begun = [] if best is None else [best]
     else:
-        begun = [(one.names[0], begun_with(known.fitted, one)) for one in laws_shown(ranked, least)[:TRIED]]
+        begun = [(one.names[0], begun_with(known.fitted, one)) for one in laws_shown(ranked, least)]
     more = []
     for law, warm in begun:
         laws = shows.laws | {law: f"The baseline's own recordings show {law}."}
