@@ -56,7 +56,7 @@ def test_a_declared_model_that_runs_away_in_the_baseline_is_told(monkeypatch):
     def runs_away(*_):
         raise np.linalg.LinAlgError("the evidence is not finite")
 
-    monkeypatch.setattr("discovery.loop.baseline_alone", runs_away)
+    monkeypatch.setattr("discovery.baseline_law.baseline_alone", runs_away)
     laws = ("cubic_stiffness",)
     found = diagnose([recorded(laws, PAYLOAD, 1, seconds=2.0)], baseline=[recorded(laws, 0.0, 2, seconds=2.0)])
     assert found.verdict == "unknown"
