@@ -36,7 +36,6 @@ from discovery.answer import MOST_EFFECTS
 from discovery.decide import (
     FORM,
     MOST_DECLARED_FORM,
-    PosteriorDecision,
     added_coarsening,
     baseline_coarsening,
     bounds_met,
@@ -103,40 +102,29 @@ class Taken:
         """The law that was taken last."""
         return tuple(self.laws)[-1]
 
-    def require(self, base: Hypothesis) -> None:
-        """CannotTellError where all recordings together do not ask for these laws in each."""
-        if self.together is None:
-            return
-        if float(base.log_evidence.max()) < self.together or bounds_met(base.fitted, self.laws):
+    def require_in_baseline(self, known: Hypothesis) -> None:
+        """CannotTellError where the laws were taken for the baseline's sake, and its recordings do not ask for them."""
+        if self.together is None and not self._served(known, self.least):
+            raise CannotTellError(f"{self.newest} is not the arm's own law")
+
+    def require_in_all(self, base: Hypothesis) -> None:
+        """CannotTellError where they were taken for the sake of all recordings, and these do not ask for them."""
+        if self.together is not None and not self._served(base, self.together):
             raise CannotTellError(f"{' and '.join(self.laws)} does not act in all recordings")
+
+    def _served(self, model: Hypothesis, least: float) -> bool:
+        return float(model.log_evidence.max()) >= least and not bounds_met(model.fitted, self.laws)
 
 
 @dataclass(frozen=True)
 class BaselineShows:
     """What the baseline's recordings show of the model: its error there, and without any law that was taken; the laws
-    beside `taken` of which one may be taken too; the number of coordinates.
+    of which one more may be taken.
     """
 
     error: BaselineError
     without: BaselineError
-    taken: Taken | None
-    more: tuple[Taken, ...]
-    order: int
-
-    @property
-    def laws(self) -> dict[str, str]:
-        """The laws that were taken."""
-        return {} if self.taken is None else self.taken.laws
-
-    def in_all(self, decision: PosteriorDecision) -> Taken | None:
-        """The laws that a recording showed, if they alone are the answer, as laws of the arm's own."""
-        best, named = decision.leading, set(decision.leading.effects)
-        if decision.verdict not in ("effect", "group") or not named or not named <= {*MATERIAL, *WATER}:
-            return None
-        if len(self.laws) + len(named) > MOST_EFFECTS:
-            return None
-        laws = self.laws | {law: f"The recordings are likelier with {law} in the baseline too." for law in best.effects}
-        return Taken(laws, best.fitted, self.order, self.without, together=float(best.log_evidence.max()))
+    more: tuple[Taken, ...] = ()
 
 
 def baseline_of(problem: Problem, nuisances: tuple[Array, ...], setting: Setting, taken: Taken | None) -> BaselineShows:
@@ -148,16 +136,15 @@ def baseline_of(problem: Problem, nuisances: tuple[Array, ...], setting: Setting
     if not found:
         raise CannotTellError("the runs of the declared model leave all bounds in the baseline's recordings")
     known = with_rest(max(found, key=lambda h: float(h.log_evidence.max())))
-    evidence = float(known.log_evidence.max())
-    by_baseline = taken is not None and taken.together is None
-    if taken is not None and by_baseline and (evidence < taken.least or bounds_met(known.fitted, taken.laws)):
-        raise CannotTellError(f"{taken.newest} is not the arm's own law")
+    if taken is not None:
+        taken.require_in_baseline(known)
+    evidence, own = float(known.log_evidence.max()), {} if taken is None else taken.laws
     ranked, least = ranking(known, MOST_EFFECTS).sets, least_gain(known)
     coarsening = baseline_coarsening((len(one.names), one.evidence) for one in ranked)
     error = BaselineError(known.share, max(known.rest, 0.0), coarsening, evidence, known.structured)
     without = error if taken is None else taken.without
-    shows = BaselineShows(error if taken is None else error.beside(without), without, taken, (), setting.order)
-    if len(shows.laws) == MOST_EFFECTS or (taken is not None and not by_baseline):
+    shows = BaselineShows(error if taken is None else error.beside(without), without)
+    if len(own) == MOST_EFFECTS or (taken is not None and taken.together is not None):
         return shows
     if known.share > MOST_DECLARED_FORM:
         best = law_that_leaves_least(setting)
@@ -166,7 +153,7 @@ def baseline_of(problem: Problem, nuisances: tuple[Array, ...], setting: Setting
         begun = [(one.names[0], begun_with(known.fitted, one)) for one in laws_shown(ranked, least)]
     more = []
     for law, warm in begun:
-        laws = shows.laws | {law: f"The baseline's own recordings show {law}."}
+        laws = own | {law: f"The baseline's own recordings show {law}."}
         more.append(Taken(laws, warm, setting.order, without, evidence + least))
     return replace(shows, more=tuple(more))
 

@@ -6,7 +6,9 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
-from discovery.baseline_law import BaselineShows, Taken, baseline_of
+from discovery.answer import MOST_EFFECTS
+from discovery.baseline_law import MATERIAL, WATER, BaselineShows, Taken, baseline_of
+from discovery.decide import PosteriorDecision
 from discovery.given import Deciding, Given, held_out_run
 from inference.base_fit import Setting, fit_baseline_alone, fitted_order, most_coordinates, needed_order, rough_base_fit
 from inference.experiment import PARAMETER_SPREAD
@@ -41,6 +43,19 @@ class DeclaredFit:
     def own_laws(self) -> dict[str, str]:
         """The laws that were taken, each with the sentence that says why."""
         return {} if self.taken is None else self.taken.laws
+
+    def in_all(self, decision: PosteriorDecision) -> Taken | None:
+        """The laws of an arm that a recording showed, if they alone are the answer, as laws of the arm's own; None
+        without a baseline, in which they might act.
+        """
+        best, named = decision.leading, decision.leading.effects
+        if self.shows is None or decision.verdict not in ("effect", "group"):
+            return None
+        if not named or not set(named) <= {*MATERIAL, *WATER} or len(self.own_laws) + len(named) > MOST_EFFECTS:
+            return None
+        laws = self.own_laws | {law: f"The recordings are likelier with {law} in the baseline too." for law in named}
+        together = float(best.log_evidence.max())
+        return Taken(laws, best.fitted, self.order, self.shows.without, together=together)
 
 
 def fit_declared(given: Given, deciding: Deciding, progress: Stage, taken: Taken | None = None) -> DeclaredFit:

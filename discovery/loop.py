@@ -53,7 +53,7 @@ def _closed(declared: DeclaredFit, seed: int, deciding: Deciding, progress: Stag
     progress("searching the catalogue")
     base = _base(declared.fine, fitted, reduction)
     if declared.taken is not None:
-        declared.taken.require(base)
+        declared.taken.require_in_all(base)
     if shows is not None:
         base = shows.error.told(base)
     base = replace(base, motion=motion_nats(base.problem, base.fitted, base.forces, FORCE_SHARES[0]))
@@ -64,7 +64,7 @@ def _closed(declared: DeclaredFit, seed: int, deciding: Deciding, progress: Stag
     )
     hypotheses = list(found.hypotheses)
     first = decide_by_mass(hypotheses)
-    if shows is not None and (more := shows.in_all(first)) is not None:
+    if (more := declared.in_all(first)) is not None:
         with suppress(CannotTellError):  # the recordings are likelier with these laws where they were named
             in_all = fit_declared(declared.given.with_laws(first.leading.effects), deciding, progress, more)
             return _closed(in_all, seed, deciding, progress)

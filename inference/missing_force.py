@@ -32,6 +32,7 @@ from inference.linearise import latent_forces
 from inference.smoother import Smoothed, likeliest
 from inference.trajectory import Problem
 
+FEWEST_SEEN = 0.25  # of the instants: a recording of which less is so far from its ends counts whole
 MOTION_STEP = 1.0 / 150.0  # s, of the small motions
 
 
@@ -128,7 +129,8 @@ def _motion(
 
 def _between_frames(cells: Cells, t: Array) -> NDArray[np.bool_]:
     """Whether frames fill half of the cells or more within twice the latent force's time, before each time (T,) and
-    after it: so it is farther than that force's time from an end and from a gap that is longer.
+    after it: so it is farther than that force's time from an end and from a gap that is longer. All times where fewer
+    than FEWEST_SEEN are.
     """
     reach = math.ceil(2.0 * CELLS)
     filled = np.zeros(cells.t.size + 2 * reach + 1)
@@ -136,7 +138,8 @@ def _between_frames(cells: Cells, t: Array) -> NDArray[np.bool_]:
     until = np.cumsum(filled)  # cell k is entry k + reach + 1
     k = np.clip(np.rint((t - cells.t[0]) / cells.interval).astype(np.intp), 0, cells.t.size - 1)
     before, after = until[k + reach] - until[k], until[k + 2 * reach + 1] - until[k + reach + 1]
-    return np.asarray(np.minimum(before, after) >= 0.5 * reach)
+    seen = np.minimum(before, after) >= 0.5 * reach
+    return np.asarray(seen | (seen.mean() < FEWEST_SEEN))
 
 
 def lacking(arm: Arm, parameters: Array, motion: tuple[Array, Array, Array], at: Instant) -> Array:

@@ -9,12 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tentacle.base_motion import FEWEST_SAMPLES, fit_base_motion
+from tentacle.log_end import log_ends
 from tentacle.recording import Recording
 from tentacle.signals import Array, MotorSignal
 from tentacle.slip import Slip
 
-LEAST_MISSING = 0.1  # s of pictures beyond the log that are worth a word
-LONGEST_REST = 0.1  # of the time for which the arm is seen: longer, a servo that rests beyond its log is told
 STILL = 0.15  # of the farthest that it moves later: how far an arm strays that a hand holds at one place; it may ring
 FEWEST_STILL = 10  # frames of an arm that is held
 SURELY_HELD = 0.7  # of the time until it has moved half as far as it will, which a swing does in T/6, and T/2 is held
@@ -35,23 +34,22 @@ def _log_slips(recording: Recording, motor: MotorSignal) -> list[Slip]:
     if pictures is None or len(motor.t) < FEWEST_SAMPLES:
         return []
     t, found = pictures.t, list[Slip]()
-    start, stop, first, last = float(t[0]), float(t[-1]), float(motor.t[0]), float(motor.t[-1])
-    missing = {"ends": stop - last, "begins": first - start}
-    if max(missing.values()) < LEAST_MISSING:
+    ends = log_ends(float(motor.t[0]), float(motor.t[-1]), t)
+    if not ends:
         return []
     motion = fit_base_motion(motor)
-    for verb, end, beyond in (("ends", last, t > last), ("begins", first, t < first)):
-        moves = not motion.rests_at(end, len(t))
-        if missing[verb] < (LEAST_MISSING if moves else LONGEST_REST * (stop - start)):
+    for end in ends:
+        moves = not motion.rests_at(end.t, len(t))
+        if not end.matters(moves):
             continue
-        span = f"{verb} at {end:.4g} s, and the arm is seen from {start:.4g} to {stop:.4g} s"
-        side, count = ("after", "before")[verb == "begins"], f"{int(beyond.sum())} of {len(t)}"
-        theta, rate, _ = motion(end)
+        side, beyond = ("after", t > end.t) if end.verb == "ends" else ("before", t < end.t)
+        count = f"{int(beyond.sum())} of {len(t)}"
+        theta, rate, _ = motion(end.t)
         if moves:
             what = f"the servo turns there, {rate:.2g} rad/s: the pictures {side} it are left out, {count}"
         else:
             what = f"the servo rests there: for the pictures {side} it, {count}, it is taken to rest at {theta:.3g} rad"
-        found.append(Slip("motor.csv", "t_s", f"{span}; {what}", "the servo's log while the arm is seen", False))
+        found.append(Slip("motor.csv", "t_s", f"{end.words}; {what}", "the servo's log while the arm is seen", False))
     return found
 
 

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from tentacle.base_motion import Travel
+from tentacle.log_end import log_ends
 from tentacle.place_slips import NEAR_MARKER
 from tentacle.recording import Recording
 from tentacle.signals import Array, BaseTravel
@@ -19,7 +20,6 @@ from tentacle.slip import Slip
 
 LAST_TRAVEL = 0.1  # s, of a base's log, in which it is seen whether the base stands
 STANDS = 0.005  # of the arm's length: how far a base that stands may move in it
-LONGEST_STAND = 0.1  # of the time for which the arm is seen: longer, a base that stands beyond its log is told
 CHORDS = 5  # of a midline, from its tenth on: shorter ones have the noise of its points
 FIRST_POINT = 0.1  # of the arm, of a midline: nearer to the clamp the chord to it says nothing
 FEWEST_FRAMES = 30
@@ -46,20 +46,15 @@ def log_slips(recording: Recording, log: BaseTravel, travel: Travel) -> list[Sli
     pictures, found = recording.midline or recording.markers, list[Slip]()
     if pictures is None:
         return []
-    start, stop = float(pictures.t[0]), float(pictures.t[-1])
     length, noise = recording.declaration.specimen.length, float(np.std(log.xy - travel(log.t)[:2].T))
-    for end, inner, missing, verb in (
-        (travel.last, max(travel.first, travel.last - LAST_TRAVEL), stop - travel.last, "ends"),
-        (travel.first, min(travel.last, travel.first + LAST_TRAVEL), travel.first - start, "begins"),
-    ):
-        if missing < LAST_TRAVEL:
-            continue
-        path = travel(np.linspace(inner, end, 20))[:2]
+    for end in log_ends(travel.first, travel.last, pictures.t):
+        inner = end.t - LAST_TRAVEL if end.verb == "ends" else end.t + LAST_TRAVEL
+        path = travel(np.linspace(np.clip(inner, travel.first, travel.last), end.t, 20))[:2]
         moved = float(np.linalg.norm(path - path[:, -1:], axis=0).max())
         moves = moved > STANDS * length + 4.0 * noise
-        if not moves and missing < LONGEST_STAND * (stop - start):
+        if not end.matters(moves):
             continue
-        seen = f"{verb} at {end:.4g} s, and the arm is seen from {start:.4g} to {stop:.4g} s"
+        seen = end.words
         if moves:
             seen += f"; the base moves there, {1e3 * moved:.3g} mm in {LAST_TRAVEL:g} s"
         remedy = "the base's path while the arm is seen (it is taken to stand before and after)"

@@ -152,3 +152,17 @@ def test_a_motion_is_seen_between_frames_alone():
             assert not seen[(times > low) & (times < low + near)].any()
             assert not seen[(times > high - near) & (times < high)].any()
         assert not seen[(times > 4.0) & (times < 6.0)].any()
+
+
+@pytest.mark.parametrize("count", [30, 93, 160])
+def test_a_force_that_is_seen_for_a_second_or_less_has_a_curve_too(count):
+    """Stretches of a second would leave a curve fewer instants than bins; warnings are errors here."""
+    t = T[:count]
+    force = np.sin(3.0 * t)
+    # A curve over the force itself, on even fifths: the rest is the width of a bin and the ends that it did not see.
+    assert predicted(t, force, force) > 0.5
+
+
+def test_a_recording_too_short_to_be_far_from_its_ends_counts_whole():
+    cells = cells_of(np.arange(60) / 60.0, np.ones(60, dtype=bool), 0.5)
+    assert _between_frames(cells, np.linspace(0.0, 1.0, 40)).all()

@@ -11,7 +11,7 @@ import pytest
 from validation.plants import PLANTS
 from validation.plants.filmed import film
 from validation.plants.repeats import OWN, SPREAD, repeated, with_own_laws
-from validation.trials.plant_design import PlantDesign, plant_designs
+from validation.trials.plant_design import MOVES, PlantDesign, plant_designs
 from validation.trials.plant_recording import plant_baseline, plant_recording
 from validation.trials.series import trial
 
@@ -29,7 +29,7 @@ def test_own_laws_are_one_or_two_and_none_of_them_is_hidden():
 def test_the_other_day_has_the_same_arm_and_laws_and_another_motion():
     first = DESIGN.trial()
     plant = PLANTS[DESIGN.plant](first)
-    one = with_own_laws(first, plant, DESIGN.own)
+    one = with_own_laws(first, plant, DESIGN.own, MOVES)
     other = repeated(one)
     assert other.own == one.own
     assert other.hidden == ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +22,7 @@ from validation.plants.draw import SETTLED
 from validation.plants.filmed import PLACES, declaration_of, film
 from validation.plants.repeats import repeated, with_own_laws
 from validation.trials.design import Design
-from validation.trials.plant_design import FRAME_RATE, PlantDesign
+from validation.trials.plant_design import FRAME_RATE, MOVES, PlantDesign
 from validation.trials.sight import Measurement
 from validation.trials.sizing import bare_problem, left_by_refit
 
@@ -38,10 +39,8 @@ def plant_recording(design: PlantDesign) -> tuple[Recording, dict[str, Any]]:
     """
     trial, plant = _arm(design)
     run = shown(trial, plant)
-    recording, root = recorded(trial, run), None
-    if design.seen == "video":
-        recording = _tracked(recording, run, design)
-        root = _middling_root(recording, run)
+    recording = _seen(design, trial, run)
+    root = _middling_root(recording, run) if design.seen == "video" else None
     recording = replace(recording, name=f"trial_{design.index:04d}")
     unseen = design.seen == "video" and root is None
     reached = [0.0 for _ in run.hidden] if unseen else _sizes(design, trial, plant, run, root)
@@ -55,17 +54,22 @@ def plant_baseline(design: PlantDesign) -> list[Recording]:
         return []
     trial, plant = _arm(design)
     other = repeated(trial)
-    run = shown(other, plant)
-    recording = recorded(other, run)
-    recording = _tracked(recording, run, design) if design.seen == "video" else recording
+    recording = _seen(design, other, shown(other, plant))
     return [replace(recording, name=f"baseline_{design.index:04d}")]
 
 
+@lru_cache(maxsize=1)  # of a trial's recording and its baseline: the sizes of own laws take several runs
 def _arm(design: PlantDesign) -> tuple[Trial, Plant]:
     """The trial, with the arm's own laws, and its plant."""
     trial = design.trial()
     plant = PLANTS[design.plant](trial)
-    return (with_own_laws(trial, plant, design.own) if design.own else trial), plant
+    return (with_own_laws(trial, plant, design.own, MOVES) if design.own else trial), plant
+
+
+def _seen(design: PlantDesign, trial: Trial, run: Shown) -> Recording:
+    """The run as the design has it: as points of the midline, or as a tracked video."""
+    recording = recorded(trial, run)
+    return _tracked(recording, run, design) if design.seen == "video" else recording
 
 
 def _tracked(recording: Recording, run: Shown, design: PlantDesign) -> Recording:

@@ -10,7 +10,8 @@ from tentacle.errors import InputError
 from tentacle.io.recording_rrd import write_rrd
 from tentacle.io.result_folder import written
 from validation.trials.plant_design import PlantDesign
-from validation.trials.series import AnyDesign, baseline_of, made
+from validation.trials.plant_recording import plant_baseline
+from validation.trials.series import AnyDesign, made
 
 
 def remake(designs: Sequence[AnyDesign], chosen: Sequence[int], out: Path) -> Iterator[Path]:
@@ -21,8 +22,9 @@ def remake(designs: Sequence[AnyDesign], chosen: Sequence[int], out: Path) -> It
         if not 0 <= index < len(designs):
             expected = f"0 to {len(designs) - 1}"
             raise InputError(f"the series has no trial {index}", field="--only", expected=expected)
-        recording, truth = made(designs[index])
-        own_baseline = baseline_of(designs[index]) if isinstance(designs[index], PlantDesign) else ()
+        design = designs[index]
+        recording, truth = made(design)
+        own_baseline = plant_baseline(design) if isinstance(design, PlantDesign) else []
         with written(out) as folder:
             for one in own_baseline:
                 write_rrd(one, folder / f"{one.name}.rrd")
