@@ -25,7 +25,7 @@ class LogEnd:
 
     def matters(self, moves: bool) -> bool:
         """Whether it is told. moves: whether what is logged moves there; it would go on beyond the log."""
-        return moves or self.missing >= LONGEST_REST * (self.stop - self.start)
+        return self.missing >= (LEAST_MISSING if moves else LONGEST_REST * (self.stop - self.start))
 
     @property
     def words(self) -> str:
@@ -34,10 +34,10 @@ class LogEnd:
 
 
 def log_ends(first: float, last: float, pictures: Array) -> list[LogEnd]:
-    """The ends of a log from first to last [s] within these pictures' times (T,), by LEAST_MISSING or more."""
+    """The ends of a log from first to last [s] that lie so far within these pictures' times (T,) that they may matter."""
     start, stop = float(pictures[0]), float(pictures[-1])
     ends = (
         LogEnd("ends", last, stop - last, start, stop),
         LogEnd("begins", first, first - start, start, stop),
     )
-    return [end for end in ends if end.missing >= LEAST_MISSING]
+    return [end for end in ends if end.matters(moves=True) or end.matters(moves=False)]
