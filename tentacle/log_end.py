@@ -34,7 +34,7 @@ class LogEnd:
 
 
 def log_ends(first: float, last: float, pictures: Array) -> list[LogEnd]:
-    """The ends of a log from first to last [s] that lie so far within these pictures' times (T,) that they may matter."""
+    """The ends of a log from first to last [s] that lie far enough within these pictures' times (T,) to matter."""
     start, stop = float(pictures[0]), float(pictures[-1])
     ends = (
         LogEnd("ends", last, stop - last, start, stop),
