@@ -162,19 +162,20 @@ class Problem:
         return np.concatenate(used, axis=1), [np.concatenate(one, axis=2) for one in zip(*everything, strict=True)]
 
     def _of_some(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:
-        count = unknowns.shape[1]
         used, everything, place = [], [], len(self.free)
         for number, (experiment, size) in enumerate(zip(self.experiments, self.sizes(), strict=True)):
             nuisances = unknowns[place : place + size]
             place += size
-            prediction = predict(self.arm, experiment, parameters, nuisances, self.step)
+            acting = experiment.acting(parameters)
+            kinds, lanes = _distinct(np.concatenate([acting, nuisances]))
+            prediction = predict(self.arm, experiment, acting[:, kinds], nuisances[:, kinds], self.step)
             error = whitened_residuals(experiment, prediction)
             if self.defect:
                 error += self.defect[number][:, :, None]
             error[:, :, np.isfinite(prediction.batch.diverged)] = RAN_AWAY
-            everything.append(error)
-            white = self.filters[number].whiten(error) if self.filters else error[experiment.used].reshape(-1, count)
-            used.append(white)
+            everything.append(error[:, :, lanes])
+            of_used = self.filters[number].whiten(error) if self.filters else error[experiment.used].reshape(-1, kinds.size)
+            used.append(of_used[:, lanes])
             used.append(experiment.prior_residuals(self.arm.order, self.arm.specimen.length, nuisances))
         return np.concatenate(used), everything
 
@@ -212,3 +213,19 @@ class Problem:
         else:
             values, _ = self.residuals(moved)
         return value, (values - value[:, None]) / step
+
+
+def _distinct(columns: Array) -> tuple[np.ndarray, np.ndarray]:
+    """Places (K,) of the columns (N, B) that differ, and for each column (B,) which of them it equals.
+
+    An unknown of one recording changes no other, and an absent effect none of the baseline's: these are run once.
+    """
+    kinds: dict[bytes, int] = {}
+    first: list[int] = []
+    lanes = np.empty(columns.shape[1], dtype=int)
+    for place, column in enumerate(np.ascontiguousarray(columns.T)):
+        kind = kinds.setdefault(column.tobytes(), len(kinds))
+        lanes[place] = kind
+        if kind == len(first):
+            first.append(place)
+    return np.array(first), lanes

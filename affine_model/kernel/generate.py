@@ -277,7 +277,20 @@ def template_constants(order: int, free: bool) -> dict[str, int]:
     return {"n": order, "D": order + 2 + free, "FREE": int(free)}
 
 
-def kernel_source(nodes: int, order: int, lanes: int = BLOCK, free: bool = False) -> str:
-    """The text for that number of nodes, curvatures and lanes a block, of a free base or not, and this catalogue."""
+@dataclass(frozen=True)
+class KernelParts:
+    """What decides over a kernel's text, before the half second that it takes to write its loops out."""
+
+    template: str
+    constants: dict[str, int]
+    shapes: dict[str, tuple[int, ...]]
+
+    def text(self) -> str:
+        """The text that is compiled: loops written out, arrays placed."""
+        return unrolled_source(self.template, self.constants, self.shapes)
+
+
+def kernel_parts(nodes: int, order: int, lanes: int = BLOCK, free: bool = False) -> KernelParts:
+    """The parts for that number of nodes, curvatures and lanes a block, of a free base or not, and this catalogue."""
     constants = {**template_constants(order, free), "NODES": nodes, "BLOCK": lanes, "BODIES": bodies()}
-    return unrolled_source(filled_template(order, Parts(), free), constants, array_sizes(nodes, order, free))
+    return KernelParts(filled_template(order, Parts(), free), constants, array_sizes(nodes, order, free))

@@ -1,5 +1,5 @@
-"""Compiles the generated kernel once and keeps it: machine code in the user's cache folder, named by the hash of its
-text and of all else that decides over it.
+"""Compiles the generated kernel once and keeps it: machine code in the user's cache folder, named by the hash of all
+that decides over it.
 
 Two kernels a (nodes, order): of BLOCK lanes for a batch, and of FEW lanes for what is left of it, so that few pay for
 few empty ones.
@@ -20,7 +20,7 @@ from typing import Any
 
 from affine_model.cores import usable_cores
 from affine_model.kernel.arguments import packed
-from affine_model.kernel.generate import BLOCK, FEW, kernel_source
+from affine_model.kernel.generate import BLOCK, FEW, KernelParts, kernel_parts
 from affine_model.kernel.machine_code import Loaded, arguments_of, compiler, object_code
 from tentacle.law.in_use import follows_laws
 from tentacle.private_cache import cache_folder, sealed, unsealed
@@ -41,13 +41,14 @@ def _file(name: str, *decisive: str, suffix: str = ".py") -> Path:
     return cache_folder("kernels", "TENTACLE_KERNELS") / f"{name}_{digest}{suffix}"
 
 
-def _code_file(nodes: int, order: int, lanes: int, text: str) -> Path:
-    return _file(f"kernel_{nodes}_{order}_{lanes}", text, compiler(), suffix=".o")
+def _code_file(parts: KernelParts) -> Path:
+    size = "_".join(str(parts.constants[name]) for name in ("NODES", "n", "BLOCK"))
+    return _file(f"kernel_{size}", repr(parts), compiler(), suffix=".o")
 
 
 def is_compiled(nodes: int, order: int) -> bool:
     """Whether this computer has both kernels in machine code already."""
-    return all(_code_file(nodes, order, k, kernel_source(nodes, order, k)).exists() for k in (BLOCK, FEW))
+    return all(_code_file(kernel_parts(nodes, order, lanes)).exists() for lanes in (BLOCK, FEW))
 
 
 @follows_laws
@@ -55,16 +56,16 @@ def load_kernel(nodes: int, order: int, lanes: int = BLOCK, free: bool = False) 
     """The kernel for that number of quadrature nodes, curvatures and lanes, of a base that floats or not;
     compiled on first use (1 to 2 s), then loaded from the cache.
     """
-    text = kernel_source(nodes, order, lanes, free)
-    file = _code_file(nodes, order, lanes, text)
+    parts = kernel_parts(nodes, order, lanes, free)
+    file = _code_file(parts)
     code = unsealed(file)
     if code is None:
-        code = object_code(text, lanes)
+        code = object_code(parts.text(), lanes)
         with suppress(OSError):  # a full or read-only disk is no reason to end a run
             partial = file.with_suffix(f".{os.getpid()}.part")
             partial.write_bytes(sealed(file, code))
             partial.replace(file)
-    return Kernel(Loaded(code), arguments_of(text))
+    return Kernel(Loaded(code), arguments_of(parts.template))
 
 
 def module_of(name: str, source: str) -> ModuleType:

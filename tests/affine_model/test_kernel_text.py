@@ -8,7 +8,7 @@ from affine_model.advance import Drive, Pace, Rail, Servo, advance, at_rest
 from affine_model.arm import Arm, neutral_parameters, parameter_index, parameter_rows
 from affine_model.free_body import Hull
 from affine_model.kernel.arguments import ARGUMENTS, packed
-from affine_model.kernel.generate import kernel_source
+from affine_model.kernel.generate import kernel_parts
 from affine_model.kernel.machine_code import Loaded, object_code
 from affine_model.kernel.trace import lines
 from affine_model.kernel.unroll import unrolled_source
@@ -65,7 +65,7 @@ def test_machine_code_computes_what_the_text_says(drive):
 
     def in_python(nodes, order, _, *arguments, free):
         place: dict = {}
-        exec(compile(kernel_source(nodes, order, free=free), "kernel", "exec"), place)
+        exec(compile(kernel_parts(nodes, order, free=free).text(), "kernel", "exec"), place)
         with np.errstate(all="ignore"):  # empty lanes
             place["advance"](0, *arguments)
 
