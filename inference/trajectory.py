@@ -174,7 +174,9 @@ class Problem:
                 error += self.defect[number][:, :, None]
             error[:, :, np.isfinite(prediction.batch.diverged)] = RAN_AWAY
             everything.append(error[:, :, lanes])
-            of_used = self.filters[number].whiten(error) if self.filters else error[experiment.used].reshape(-1, kinds.size)
+            of_used = (
+                self.filters[number].whiten(error) if self.filters else error[experiment.used].reshape(-1, kinds.size)
+            )
             used.append(of_used[:, lanes])
             used.append(experiment.prior_residuals(self.arm.order, self.arm.specimen.length, nuisances))
         return np.concatenate(used), everything

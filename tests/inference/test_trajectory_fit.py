@@ -12,7 +12,7 @@ from affine_model.base_laws import play_operator
 from affine_model.base_signal import Steps, base_table, step_middles
 from affine_model.curvature import legendre_to_monomial, midline
 from affine_model.simulate import Start, Timing, simulate
-from inference.experiment import Experiment
+from inference.experiment import Experiment, predict
 from inference.fit import fit, unfitted
 from inference.levenberg_marquardt import minimise
 from inference.measured_shapes import Tracker, fit_shapes, from_track
@@ -83,6 +83,28 @@ def test_parameters_come_back_within_their_intervals():
     assert np.all(spread / found.values < 0.05)
     # The residual is as large as the noise that was put in: 1856 numbers, 4 standard errors.
     assert abs(2 * found.misfit / found.count - 1.0) < 0.14
+
+
+def test_an_unknown_of_one_recording_runs_the_others_no_second_time(monkeypatch):
+    experiments = tuple(experiment_of(seen_midline(seed)[0]) for seed in (4, 5))
+    problem = replace(problem_of(experiments[0]), experiments=experiments)
+    start = np.concatenate([problem.parameters[problem.rows()], np.full(6, 0.01), np.full(6, -0.02)])
+    batch = np.repeat(start[:, None], 5, axis=1)
+    batch[0, 1] *= 1.1  # the modulus: both recordings
+    batch[3, 2] += 0.1  # the first one's initial shape
+    batch[9, 3:] += 0.1  # the second one's, twice alike
+    widths = []
+
+    def counted(arm, experiment, parameters, nuisances, step):
+        widths.append(nuisances.shape[1])
+        return predict(arm, experiment, parameters, nuisances, step)
+
+    monkeypatch.setattr("inference.trajectory.predict", counted)
+    together, _ = problem.residuals(batch)
+    assert widths == [3, 3]
+    alone = np.concatenate([problem.residuals(column[:, None])[0] for column in batch.T], axis=1)
+    # Each lane is the same sum in another order: some hundred roundings of residuals up to 100 noise sigmas.
+    assert np.max(np.abs(together - alone)) < 1e-9
 
 
 def test_scipy_finds_the_same_minimum():
