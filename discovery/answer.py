@@ -49,6 +49,7 @@ def far_from_floor(after: float | None, floor: float | None, times: float = FAR_
     return after is not None and floor is not None and after > times * floor
 
 
+NO_SERVO = "No servo turned the base of these recordings, so that no next base motion is proposed."
 _NONE_SEPARATES, _NEXT = "No base motion within the servo's limits separates", "The next experiment,"
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import root_scalar
 from scipy.special import ndtr
 
-from discovery.answer import ACCOUNTS, error_budget, far_from_floor, proposal_words
+from discovery.answer import ACCOUNTS, NO_SERVO, error_budget, far_from_floor, proposal_words
 from discovery.calibration import tempered
 from discovery.decide import (
     CREDIBLE,
@@ -99,7 +99,8 @@ def assemble_posterior(
     # Where the model runs alone, its laws' form misleads no less than in the answer: the same T widens its intervals.
     base, written = hypothesis_of_paper(paper), estimates(open_loop.problem, open_loop.fitted, temperature)
     joint = joint_posterior(open_loop.problem, open_loop.fitted, temperature)
-    proposal = propose_experiment(*_to_be_split(found, decision), deciding.servo, seed)
+    leading, rivals = _to_be_split(found, decision)
+    proposal = propose_experiment(leading, rivals, deciding.servo, seed)
     words += declared_words(chosen.problem, chosen.fitted, temperature, around.taken)
     words += _decision_words(found, decision)
     if decision.verdict == "nothing_missing":
@@ -111,6 +112,8 @@ def assemble_posterior(
         words.append("On the judged frames the best model found errs more than the declared model.")
     if proposal is not None:
         words.append(proposal_words(proposal))
+    elif rivals:
+        words.append(NO_SERVO)
     if calibration is not None:
         words.append(calibration.words(verdict, sure))
     candidates = list(found.candidates[:12])

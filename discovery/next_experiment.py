@@ -11,13 +11,12 @@ from affine_model.curvature import Array
 from inference.deferred_correction import coarser
 from inference.experiment import Experiment, predict
 from inference.fit import Fit
-from inference.observation import POSE, ShapeObservation
 from inference.trajectory import RAN_AWAY, Problem
 from inference.whitened_fit import tangent_basis
 from tentacle.diagnosis import NEXT_SECONDS
 from tentacle.io.waveform_file import waveform_table
 from tentacle.servo_limits import ServoLimits
-from tentacle.waveform import Chirp, Multisine, Sine, Waveform
+from tentacle.waveform import Chirp, Multisine, Rest, Sine, Waveform
 
 DURATION = NEXT_SECONDS
 SEPARATES = 5.0  # nats, from which a base motion is said to separate two models, and is proposed
@@ -86,18 +85,16 @@ def _amplitude(limits: ServoLimits, frequencies: Array) -> float:
 def _virtual(experiment: Experiment, waveform: Waveform) -> Experiment:
     """A future run with this camera and noise, another base motion and a start from rest."""
     t = np.arange(0.0, DURATION, 1.0 / FRAMES)
-    observation = experiment.observation.shapes
-    assert observation is not None
-    live = np.flatnonzero(observation.seen)
-    root = np.repeat(observation.root[live[live.size // 2]][None], t.size, axis=0)
-    coefficients = np.zeros((t.size, POSE + observation.order))
-    virtual = ShapeObservation(
-        t, waveform(t)[0], observation.length, coefficients, root, np.zeros(t.size), np.zeros(t.size)
-    )
     return replace(
-        experiment.seeing(virtual), name="proposal", base=waveform, t0=0.0, duration=DURATION, release=None,
+        experiment.seeing(experiment.observation.later(t, waveform(t)[0])), name="proposal", base=waveform, t0=0.0,
+        duration=DURATION, release=None,
         remembers=False, varies=(), lacks=frozenset(), travel=None, used=np.ones(t.size, dtype=bool),
     )  # fmt: skip
+
+
+def has_servo(experiment: Experiment) -> bool:
+    """Whether a servo turned the base, so that another motion can be commanded."""
+    return experiment.release is None and not isinstance(experiment.base, Rest)
 
 
 def propose_experiment(
@@ -107,11 +104,10 @@ def propose_experiment(
 
     One of the two is taken as true, and the other refits all its parameters and initial states to first order: the way
     round that shows more counts, because a model that contains the other one follows its runs exactly (Atkinson and
-    Fedorov 1975). None if there is no rival, or if the recordings have no motor or no midline, as then no base motion
-    can be commanded or judged.
+    Fedorov 1975). None if there is no rival, or if no servo turned the base.
     """
     source = chosen.problem.experiments[0]
-    if not rivals or source.release is not None or source.observation.shapes is None:
+    if not rivals or not has_servo(source):
         return None
     sets = tuple(h.effects for h in (chosen, *rivals))
     best: Proposal | None = None
@@ -126,21 +122,16 @@ def propose_experiment(
 
 def _measured(true: FittedHypothesis, experiment: Experiment) -> Experiment:
     """The future run as it is seen if this model is true, without noise."""
-    arm, observation = true.problem.arm, experiment.observation.shapes
-    assert observation is not None
-    step = coarser(true.problem) * true.problem.step
-    shown = predict(arm, experiment, true.fitted.parameters[:, None], _rest(arm.order)[:, None], step)
-    z = shown.q[:, :, 0] @ arm.from_monomial.T
-    coefficients = observation.coefficients.copy()
-    kept = min(arm.order, observation.order)
-    coefficients[:, POSE : POSE + kept] = z[:, :kept]
-    coefficients[:, 0] = shown.theta[:, 0] - observation.theta
-    return replace(experiment, observation=replace(observation, coefficients=coefficients))
+    problem, parameters = true.problem.known(true.fitted.parameters)
+    step, rest = coarser(problem) * problem.step, _rest(experiment, problem.arm.order)
+    shown = predict(problem.arm, experiment, parameters[:, None], rest[:, None], step)
+    seen = experiment.observation
+    return replace(experiment, observation=seen.subtract_residual(seen.predict(shown)[:, :, 0]))
 
 
-def _rest(order: int) -> Array:
+def _rest(experiment: Experiment, order: int) -> Array:
     """The nuisances of a run that starts from rest."""
-    return np.zeros(2 * order + 2)
+    return np.zeros(len(experiment.nuisance_names(order)))
 
 
 def _gap(refitted: FittedHypothesis, measured: Experiment) -> float:
@@ -150,7 +141,7 @@ def _gap(refitted: FittedHypothesis, measured: Experiment) -> float:
         refitted.problem, experiments=(measured,), parameters=refitted.fitted.parameters, step=step,
         prior_mean=None, prior_root=None, filters=(),
     )  # fmt: skip
-    start = np.concatenate([problem.parameters[problem.rows()], _rest(problem.arm.order)])
+    start = np.concatenate([problem.parameters[problem.rows()], _rest(measured, problem.arm.order)])
     residuals, slope = problem.slope(start)
     if np.abs(residuals).max() >= RAN_AWAY:
         return 0.0

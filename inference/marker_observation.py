@@ -76,6 +76,9 @@ class MarkerObservation(Observation):
     def without(self, frames: NDArray[np.bool_]) -> Self:
         return replace(self, xy=np.where(frames[:, None, None], np.nan, self.xy))
 
+    def later(self, t: Array, theta: Array) -> Self:
+        return replace(self, t=t, theta=theta, xy=np.zeros((t.size, *self.xy.shape[1:])))
+
     def subtract_residual(self, rows: Array) -> Self:
         return replace(self, xy=self.xy - self.sigma * rows.reshape(self.xy.shape))
 

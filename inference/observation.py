@@ -123,6 +123,12 @@ class Observation(ABC):
         """The observation in which these frames (T,) show nothing."""
 
     @abstractmethod
+    def later(self, t: Array, theta: Array) -> Observation:
+        """What the same camera would show at other instants t (T,) [s], with these base angles (T,) [rad] and nothing
+        measured yet, without sensors.
+        """
+
+    @abstractmethod
     def subtract_residual(self, rows: Array) -> Self:
         """The observation minus whitened residuals (T, K): what the model that has these residuals shows."""
 
@@ -208,6 +214,12 @@ class ShapeObservation(Observation):
 
     def without(self, frames: NDArray[np.bool_]) -> Self:
         return replace(self, root=np.where(frames[:, None, None], 0.0, self.root))
+
+    def later(self, t: Array, theta: Array) -> ShapeObservation:
+        live = np.flatnonzero(self.seen)
+        root = np.repeat(self.root[live[live.size // 2]][None], t.size, axis=0)
+        nothing, none = np.zeros((t.size, self.channels)), np.zeros(t.size)
+        return ShapeObservation(t, theta, self.length, nothing, root, none, none)
 
     def subtract_residual(self, rows: Array) -> Self:
         change = np.einsum("tkl,tl->tk", np.linalg.pinv(self.root), rows)

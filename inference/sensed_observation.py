@@ -116,6 +116,9 @@ class SensedObservation(Observation):
         values = np.where(frames[:, None], np.nan, self.values)
         return self._with(self.pictures.without(frames), values=values)
 
+    def later(self, t: Array, theta: Array) -> Observation:
+        return self.pictures.later(t, theta)
+
     def subtract_residual(self, rows: Array) -> Self:
         count = self.pictures.channels
         return self._with(
