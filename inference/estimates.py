@@ -17,18 +17,24 @@ from tentacle.posterior import Posterior
 
 
 def interval(problem: Problem, fitted: Fit, name: ParameterName, inflation: float = 1.0) -> tuple[float, float]:
-    """95 % interval of a free parameter. inflation: the factor by which the fit's variance is too small."""
+    """95 % interval of a free parameter, all that is possible where the data do not determine it. inflation: the factor
+    by which the fit's variance is too small.
+    """
     place = problem.free.index(name)
     half = 1.96 * float(np.sqrt(inflation * max(fitted.covariance[place, place], 0.0)))
-    low, high = (limit[place] for limit in problem.bounds())
+    low, high = (float(limit[place]) for limit in problem.bounds())
+    if name in fitted.undetermined:
+        return low, high
     value = float(fitted.values[place])
     return max(low, value - half), min(high, value + half)
 
 
 def joint_posterior(problem: Problem, fitted: Fit, inflation: float = 1.0) -> Posterior | None:
-    """The fitted parameters' joint normal, declared quantities and nuisances marginalised; not cut at the bounds."""
-    own = [place for place, (effect, _) in enumerate(problem.free) if effect != DECLARED]
-    names = tuple(".".join(problem.free[place]) for place in own)
+    """The joint normal of the fitted parameters that the data determine, declared quantities and nuisances
+    marginalised; not cut at the bounds.
+    """
+    own = [k for k, name in enumerate(problem.free) if name[0] != DECLARED and name not in fitted.undetermined]
+    names = tuple(".".join(problem.free[k]) for k in own)
     return Posterior.of_covariance(names, inflation * fitted.covariance[np.ix_(own, own)])
 
 

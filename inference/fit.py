@@ -16,6 +16,8 @@ from inference.linear_fit import ParameterName
 from inference.trajectory import Problem
 from tentacle.solver_result import RESULTS
 
+MOST_UNTOLD = 1e-3  # of an unknown's square in directions that the data do not tell: rounding leaves less
+
 
 @dataclass(frozen=True)
 class Fit:
@@ -25,7 +27,8 @@ class Fit:
     vector; nuisances: one array a recording; misfit = 1/2 sum of squared whitened residuals on the used frames
     (nats); count: how many residuals that is; residuals: whitened (T, K) a recording, all frames; at_bound: names of
     parameters that ended on a bound; jacobian (N, P) and used_residuals (N,) for score tests; result: how the solver
-    ended; slopes: d residuals / d unknowns (T, K, P) a recording, all frames.
+    ended; slopes: d residuals / d unknowns (T, K, P) a recording, all frames; undetermined: names of parameters on
+    which the residuals do not depend, alone or together with others.
     """
 
     free: tuple[ParameterName, ...]
@@ -42,6 +45,7 @@ class Fit:
     evaluations: int
     result: RESULTS = RESULTS.CONVERGED
     slopes: tuple[Array, ...] = ()
+    undetermined: tuple[ParameterName, ...] = ()
 
 
 def fit(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float = 1e-7, most: int = 40) -> Fit:
@@ -89,9 +93,7 @@ def linearised_fit(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
     used, jacobian, everything, slopes = problem.linearised(unknowns)
     low, high = problem.bounds()
     count = len(problem.free)
-    information = jacobian.T @ jacobian
-    size = np.sqrt(np.maximum(np.diag(information), 1e-200))
-    covariance = np.linalg.pinv(information / np.outer(size, size), hermitian=True) / np.outer(size, size)
+    covariance, determined = _inverse(jacobian.T @ jacobian)
     values = unknowns[:count]
     close = 1e-6 * problem.scales()[:count]
     touching = (values <= low[:count] + close) | (values >= high[:count] - close)
@@ -110,7 +112,19 @@ def linearised_fit(problem: Problem, unknowns: Array, evaluations: int) -> Fit:
         used_residuals=used,
         evaluations=evaluations,
         slopes=tuple(slopes),
+        undetermined=tuple(name for name, told in zip(problem.free, determined, strict=False) if not told),
     )
+
+
+def _inverse(information: Array) -> tuple[Array, Array]:
+    """The covariance (P, P) from an information matrix in the directions that the data determine, and whether they
+    determine each unknown (P,): a direction that they do not has no variance here, but in truth any.
+    """
+    size = np.sqrt(np.maximum(np.diag(information), 1e-200))
+    values, vectors = np.linalg.eigh(information / np.outer(size, size))
+    told = values > values.size * np.finfo(float).eps * values[-1]
+    covariance = (vectors[:, told] / values[told]) @ vectors[:, told].T / np.outer(size, size)
+    return covariance, np.square(vectors[:, ~told]).sum(axis=1) < MOST_UNTOLD
 
 
 def unfitted(problem: Problem, nuisances: tuple[Array, ...]) -> Fit:

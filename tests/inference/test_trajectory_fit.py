@@ -12,6 +12,7 @@ from affine_model.base_laws import play_operator
 from affine_model.base_signal import Steps, base_table, step_middles
 from affine_model.curvature import legendre_to_monomial, midline
 from affine_model.simulate import Start, Timing, simulate
+from inference.estimates import interval, joint_posterior
 from inference.experiment import Experiment, predict
 from inference.fit import fit, unfitted
 from inference.levenberg_marquardt import minimise
@@ -83,6 +84,22 @@ def test_parameters_come_back_within_their_intervals():
     assert np.all(spread / found.values < 0.05)
     # The residual is as large as the noise that was put in: 1856 numbers, 4 standard errors.
     assert abs(2 * found.misfit / found.count - 1.0) < 0.14
+
+
+def test_what_the_residuals_do_not_depend_on_may_have_any_value():
+    """Where a weight hangs, if it weighs nothing: its interval is all that is possible, not a point."""
+    experiment = experiment_of(seen_midline(6)[0])
+    reach = ("tip_mass", "reach")
+    problem = replace(problem_of(experiment), free=(*TRUTH, reach))
+    found = fit(problem, (np.zeros(6),))
+    assert found.undetermined == (reach,)
+    assert interval(problem, found, reach) == (-0.3, 0.3)
+    posterior = joint_posterior(problem, found)
+    assert posterior is not None
+    assert posterior.names == tuple(".".join(name) for name in TRUTH)
+    alone = fit(problem_of(experiment), (np.zeros(6),))
+    # The others are as well known as without it: the same inverse to rounding, at fits that agree to their tolerance.
+    assert np.diag(found.covariance)[:3] == pytest.approx(np.diag(alone.covariance), rel=1e-3)
 
 
 def test_an_unknown_of_one_recording_runs_the_others_no_second_time(monkeypatch):
