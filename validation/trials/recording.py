@@ -51,7 +51,7 @@ def trial_recording(design: Design) -> tuple[Recording, dict[str, Any]]:
     )
     random = np.random.default_rng([design.seed, 2])
     assert recording.midline is not None
-    own = errors_of(design.errors_of).drawn(recording.midline.t, random) if design.errors_of else None
+    own = errors_of(design.errors_of).at(recording.midline.t) if design.errors_of else None
     if sight.kind == "track":
         recording = _tracked(recording, sight, random)
     elif sight.kind == "markers":

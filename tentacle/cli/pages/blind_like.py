@@ -40,8 +40,9 @@ def like_section(
         names = ", ".join(Path(path).name for path in like.real.baseline)
         words.append(f"The diagnosis has a real baseline: {names}.")
     words.append(
-        "Their noise is what the declared model leaves in the recording, times a random function of time. So it has "
-        "the tracker's bias, the changing light and the errors of the declared laws."
+        "Their noise is what the declared model leaves in the recording, at the same instants: the effects are added "
+        "to the real recording. So it has the tracker's bias, the changing light and the errors of the declared laws. "
+        "All trials with nothing hidden are this recording."
         if like.real.errors_of
         else "Their noise is white. The recording may also have a tracker's bias, missing frames or "
         "changing light. The trials have none of these, so the confidence does not account for them."
