@@ -16,7 +16,9 @@ from inference.linear_fit import ParameterName
 from inference.trajectory import Problem
 from tentacle.solver_result import RESULTS
 
-MOST_UNTOLD = 1e-3  # of an unknown's square in directions that the data do not tell: rounding leaves less
+# Of an unknown's square in directions that the data do not tell. Rounding turns the direction of an eigenvalue of 32
+# times the limit of _inverse or more by (1/32)^2 of it at most (Davis and Kahan 1970). It decides over no verdict.
+MOST_UNTOLD = 1e-3
 
 
 @dataclass(frozen=True)
