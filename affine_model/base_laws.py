@@ -9,6 +9,7 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.signal import cont2discrete, lfilter, lfiltic, ss2tf
 
 from affine_model.curvature import Array
+from tentacle.compiled import njit
 
 BRIEF = 0.1  # steps: an oscillation of a shorter time moves nothing in a step
 PLAY_SMOOTHING = 0.006  # s: the play operator's corners are rounded over this time, so that theta has two derivatives
@@ -38,6 +39,7 @@ def low_pass(table: Array, step: float, delay: float, period: float) -> Array:
     return np.array(rows)
 
 
+@njit(cache=True, nogil=True)
 def play_operator(angle: Array, play: float) -> Array:
     """Output (S,) of a gear with total play [rad]: it follows the input once the play is used up."""
     half = 0.5 * play

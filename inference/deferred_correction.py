@@ -10,7 +10,7 @@ Sources: Stetter 1978 (deferred correction); Bandler et al. 1994 (space mapping)
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,8 +24,18 @@ from inference.whitened_fit import whitened
 # Times the step of the problem. With 2 and with 4, the evidence of 14 hypotheses of a recording agreed to 0.2 nats.
 COARSER, IN_A_DECAY = 4.0, 2.0
 COARSEST = 1.0 / 150.0  # s: no coarser step than that with which fits begin
-PASSES = 4  # fits from one correction to the next, at most
 SETTLED = 0.02  # nats: half the square of a correction's change, below which the fit needs no other one
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How far a fit goes: until a round lowers its sum of squares by less than this share, or so many rounds; and again
+    after each of so many corrections, until these change no more.
+    """
+
+    tolerance: float
+    rounds: int = 40
+    passes: int = 4
 
 
 def coarser(problem: Problem) -> float:
@@ -49,17 +59,15 @@ def corrected(problem: Problem, unknowns: Array) -> Problem:
     return replace(coarse, defect=tuple(a[:, :, 0] - b[:, :, 0] for a, b in zip(exact, rough, strict=True)))
 
 
-def minimised_at_step(
-    problem: Problem, nuisances: tuple[Array, ...], *, tolerance: float, most: int
-) -> tuple[Array, Minimum, Problem]:
+def minimised_at_step(problem: Problem, nuisances: tuple[Array, ...], effort: Effort) -> tuple[Array, Minimum, Problem]:
     """`inference.trajectory.minimised` with runs at the coarser step, and the problem that is corrected at its end."""
     coarse, passes = corrected(problem, np.concatenate([problem.parameters[problem.rows()], *nuisances])), 0
     while True:
-        unknowns, lowest = minimised(coarse, nuisances, tolerance=tolerance, most=most)
+        unknowns, lowest = minimised(coarse, nuisances, tolerance=effort.tolerance, most=effort.rounds)
         parameters, nuisances = split(problem, unknowns)
         before, coarse = coarse, corrected(replace(problem, parameters=parameters), unknowns)
         passes += 1
-        if _change(before, coarse) < SETTLED or passes == PASSES:
+        if _change(before, coarse) < SETTLED or passes == effort.passes:
             return unknowns, lowest, coarse
 
 

@@ -18,19 +18,23 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from affine_model.curvature import Array
-from inference.deferred_correction import corrected, minimised_at_step
+from inference.deferred_correction import Effort, corrected, minimised_at_step
 from inference.evidence import evidence_beside
 from inference.fit import Fit, linearised_fit, minimised, split
 from inference.latent_force import Filter, LatentForce
 from inference.linearise import latent_forces
 from inference.pose import PosteriorPose
 from inference.trajectory import Problem
+from tentacle.solver_result import RESULTS
 
 FORCE_SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])
 PIECE_FRAMES = 60  # of a recording: a second of most, longer than what an error is correlated over
 KEPT_FILTERS = 3  # of the shares next to each other: more would take most of the memory of a diagnosis
 NOISE_REACH = 2.0  # standard deviations of a mean square over pure noise
 ROUGHLY, CLOSELY = 1e-3, 5e-5  # tolerances of a fit, shares of its sum of squares: some nats, a tenth of a nat
+
+WHOLE = Effort(tolerance=1e-4)  # of a model that is fitted alone
+FIRST = replace(WHOLE, rounds=10, passes=1)  # of it, on which one of two starts is chosen
 
 
 @dataclass(frozen=True)
@@ -158,7 +162,7 @@ def fit_hypothesis(rough: RoughFit, declared: tuple[LatentForce, ...] = ()) -> H
         tried.add(best)
         last = best
         problem = replace(problem, filters=filters(best))
-        unknowns, lowest, coarse = minimised_at_step(problem, nuisances, tolerance=CLOSELY, most=40)
+        unknowns, lowest, coarse = minimised_at_step(problem, nuisances, Effort(CLOSELY))
         problem, nuisances = _moved(problem, unknowns)
         fitted = replace(linearised_fit(coarse, unknowns, 0), result=lowest.result)
 
@@ -196,39 +200,46 @@ def with_rest(h: Hypothesis, nested: Hypothesis | None = None) -> Hypothesis:
     """The hypothesis with its rest: the model alone is fitted to follow the data as closely as possible.
 
     Its residual counts as noise, so that no parameter leaves its prior. nested: a submodel of this one with its rest.
-    If this fit has a larger rest than the submodel, it is repeated from the submodel's parameters.
+    If this fit has a larger rest than the submodel after its FIRST rounds, it is begun from the submodel's parameters
+    too, and the better one goes on: a law that yields may creep along a wrong valley for hundreds of rounds.
     """
     there = np.concatenate([h.fitted.values, *h.fitted.nuisances])
     plain = replace(h.problem, filters=())
     size = max(float(np.sqrt(np.mean(_seen_rows(plain, plain.residuals(there[:, None])[1]) ** 2))), 1.0)
-    found = _followed(h, plain, h.fitted.nuisances, size)
-    if nested is None or nested.alone is None or found.rest <= nested.rest:
-        return found
-    parameters, before = plain.parameters.copy(), nested.alone.parameters
-    for name in nested.problem.free:
-        place = h.problem.rows()[h.problem.free.index(name)]
-        parameters[place] = before[place]
-    kept = all(a.size == b.size for a, b in zip(nested.alone.nuisances, h.fitted.nuisances, strict=True))
-    start = nested.alone.nuisances if kept else h.fitted.nuisances
-    again = _followed(h, replace(plain, parameters=parameters), start, float(np.sqrt(nested.rest + 1.0)))
-    return min(found, again, key=lambda one: one.rest)
+    best = _followed(h, plain, h.fitted.nuisances, size, FIRST)
+    if nested is not None and nested.alone is not None and best.rest > nested.rest:
+        parameters, before = plain.parameters.copy(), nested.alone.parameters
+        for name in nested.problem.free:
+            place = h.problem.rows()[h.problem.free.index(name)]
+            parameters[place] = before[place]
+        kept = all(a.size == b.size for a, b in zip(nested.alone.nuisances, h.fitted.nuisances, strict=True))
+        start = nested.alone.nuisances if kept else h.fitted.nuisances
+        again = replace(plain, parameters=parameters)
+        best = min(best, _followed(h, again, start, float(np.sqrt(nested.rest + 1.0)), FIRST), key=lambda one: one.rest)
+    assert best.alone is not None
+    if best.alone.result is not RESULTS.MAX_STEPS:
+        return best
+    return _followed_further(best, WHOLE)
 
 
 def followed_closely(h: Hypothesis) -> Hypothesis:
     """The hypothesis with the fit of its model alone continued to a small tolerance."""
+    return _followed_further(h, Effort(tolerance=1e-7))
+
+
+def _followed_further(h: Hypothesis, effort: Effort) -> Hypothesis:
+    """The hypothesis with the fit of its model alone begun again at its end."""
     assert h.alone is not None
     plain = replace(h.problem, filters=(), parameters=h.alone.parameters)
-    again = _followed(h, plain, h.alone.nuisances, float(np.sqrt(max(h.rest, 0.0) + 1.0)), tolerance=1e-7)
+    again = _followed(h, plain, h.alone.nuisances, float(np.sqrt(max(h.rest, 0.0) + 1.0)), effort)
     return min(h, again, key=lambda one: one.rest)
 
 
-def _followed(
-    h: Hypothesis, plain: Problem, nuisances: tuple[Array, ...], size: float, tolerance: float = 1e-4
-) -> Hypothesis:
+def _followed(h: Hypothesis, plain: Problem, nuisances: tuple[Array, ...], size: float, effort: Effort) -> Hypothesis:
     """Fit the model alone, with noise `size` times its standard deviation."""
     louder = tuple(replace(e, noise_gain=size * e.noise_gain) for e in plain.experiments)
     plain = replace(plain, experiments=louder)
-    unknowns, lowest, coarse = minimised_at_step(plain, nuisances, tolerance=tolerance, most=40)
+    unknowns, lowest, coarse = minimised_at_step(plain, nuisances, effort)
     alone = replace(linearised_fit(coarse, unknowns, lowest.rounds), result=lowest.result)
     rows = _seen_rows(plain, [rows[:, :, None] for rows in alone.residuals])
     pieces = [

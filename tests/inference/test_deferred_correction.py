@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from inference.deferred_correction import coarser, corrected, minimised_at_step
+from inference.deferred_correction import Effort, coarser, corrected, minimised_at_step
 from inference.fit import minimised
 from inference.trajectory import Problem
 
@@ -34,7 +34,7 @@ def test_it_ends_at_the_minimum_of_the_fine_step(begun, with_current):
     problem, _ = begun
     nuisances = with_current.fitted.nuisances
     exact, lowest = minimised(problem, nuisances, tolerance=1e-7, most=40)
-    found, corrected_lowest, _ = minimised_at_step(problem, nuisances, tolerance=1e-7, most=40)
+    found, corrected_lowest, _ = minimised_at_step(problem, nuisances, Effort(tolerance=1e-7))
     # A correction that is right to SETTLED nats shifts a minimum's unknowns by at most sqrt(2 SETTLED) = .2 sigmas.
     sigma = np.sqrt(np.diag(with_current.fitted.covariance))
     count = len(problem.free)
