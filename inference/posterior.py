@@ -32,9 +32,8 @@ PIECE_FRAMES = 60  # of a recording: a second of most, longer than what an error
 KEPT_FILTERS = 3  # of the shares next to each other: more would take most of the memory of a diagnosis
 NOISE_REACH = 2.0  # standard deviations of a mean square over pure noise
 ROUGHLY, CLOSELY = 1e-3, 5e-5  # tolerances of a fit, shares of its sum of squares: some nats, a tenth of a nat
-
 WHOLE = Effort(tolerance=1e-4)  # of a model that is fitted alone
-FIRST = replace(WHOLE, rounds=10, passes=1)  # of it, on which one of two starts is chosen
+FIRST = replace(WHOLE, rounds=10, passes=1)  # after which one of two starts goes on; chosen, for speed
 
 
 @dataclass(frozen=True)
@@ -207,19 +206,23 @@ def with_rest(h: Hypothesis, nested: Hypothesis | None = None) -> Hypothesis:
     plain = replace(h.problem, filters=())
     size = max(float(np.sqrt(np.mean(_seen_rows(plain, plain.residuals(there[:, None])[1]) ** 2))), 1.0)
     best = _followed(h, plain, h.fitted.nuisances, size, FIRST)
-    if nested is not None and nested.alone is not None and best.rest > nested.rest:
-        parameters, before = plain.parameters.copy(), nested.alone.parameters
-        for name in nested.problem.free:
-            place = h.problem.rows()[h.problem.free.index(name)]
-            parameters[place] = before[place]
-        kept = all(a.size == b.size for a, b in zip(nested.alone.nuisances, h.fitted.nuisances, strict=True))
-        start = nested.alone.nuisances if kept else h.fitted.nuisances
-        again = replace(plain, parameters=parameters)
+    if nested is not None and best.rest > nested.rest:
+        again, start = _begun_at(nested, h)
         best = min(best, _followed(h, again, start, float(np.sqrt(nested.rest + 1.0)), FIRST), key=lambda one: one.rest)
     assert best.alone is not None
-    if best.alone.result is not RESULTS.MAX_STEPS:
-        return best
-    return _followed_further(best, WHOLE)
+    return _followed_further(best, WHOLE) if best.alone.result is RESULTS.MAX_STEPS else best
+
+
+def _begun_at(nested: Hypothesis, h: Hypothesis) -> tuple[Problem, tuple[Array, ...]]:
+    """The model alone with the parameters of a submodel that was fitted alone, and the nuisances to begin with."""
+    assert nested.alone is not None
+    parameters, before = h.problem.parameters.copy(), nested.alone.parameters
+    for name in nested.problem.free:
+        place = h.problem.rows()[h.problem.free.index(name)]
+        parameters[place] = before[place]
+    kept = all(a.size == b.size for a, b in zip(nested.alone.nuisances, h.fitted.nuisances, strict=True))
+    start = nested.alone.nuisances if kept else h.fitted.nuisances
+    return replace(h.problem, filters=(), parameters=parameters), start
 
 
 def followed_closely(h: Hypothesis) -> Hypothesis:
