@@ -138,9 +138,8 @@ def _gap(refitted: FittedHypothesis, measured: Experiment) -> float:
     """The nats of the difference that a model cannot absorb, to first order; 0 if its run leaves all bounds."""
     step = coarser(refitted.problem) * refitted.problem.step
     problem: Problem = replace(
-        refitted.problem, experiments=(measured,), parameters=refitted.fitted.parameters, step=step,
-        prior_mean=None, prior_root=None, filters=(),
-    )  # fmt: skip
+        refitted.problem, experiments=(measured,), parameters=refitted.fitted.parameters, step=step, filters=()
+    )
     start = np.concatenate([problem.parameters[problem.rows()], _rest(measured, problem.arm.order)])
     residuals, slope = problem.slope(start)
     if np.abs(residuals).max() >= RAN_AWAY:

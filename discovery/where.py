@@ -57,10 +57,7 @@ def _gain(h: Hypothesis, place: int, effect: str) -> float:
     if experiment.complete:
         return -np.inf
     filters = h.problem.filters[place : place + 1]
-    alone = replace(
-        h.problem, free=(), parameters=h.fitted.parameters, filters=filters, prior_free=(), prior_mean=None,
-        prior_root=None,
-    )  # fmt: skip
+    alone = replace(h.problem, free=(), parameters=h.fitted.parameters, filters=filters)
     costs = []
     for lacks in (experiment.lacks - {effect}, experiment.lacks | {effect}):
         problem = replace(alone, experiments=(replace(experiment, lacks=lacks),))

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from inference.declared_arm import names_of
-from inference.estimates import estimates
+from inference.estimates import declared_deviations, estimates
 from inference.fit import Fit
 from inference.trajectory import Problem
 from tentacle.declared import Uncertain
@@ -28,13 +26,13 @@ def declared_words(
     laws that were not declared, and the sentence that says why they are counted as the arm's own.
     """
     table, why = estimates(problem, fitted, inflation), taken or {}
+    deviations = declared_deviations(problem, fitted, inflation)
     words = [_law_sentence(name, table[name], why.get(name)) for name in problem.arm.specimen.laws if name in table]
     for name, number in zip(names_of(problem.declared), problem.declared, strict=True):
         if name not in fitted.free:
             continue
-        place = fitted.free.index(name)
-        sd = float(np.sqrt(max(fitted.covariance[place, place], 0.0)))
-        words.append(_sentence(number, float(fitted.values[place]), sd))
+        value = float(fitted.values[fitted.free.index(name)])
+        words.append(_sentence(number, value, deviations[number.name]))
     return words
 
 

@@ -162,7 +162,7 @@ def _against_chain(model: Model, problem: Problem, fitted: Fit, place: int) -> t
     )
     seen = replace(chain.midline, xy=chain.midline.xy - chain.mount[:, None])  # counted from the base
     virtual = _virtual(experiment, observation, seen)
-    alone = replace(problem, experiments=(virtual,), parameters=fitted.parameters, prior_mean=None, prior_root=None)
+    alone = replace(problem, experiments=(virtual,), parameters=fitted.parameters)
     again = fit(alone, (experiment.without_zeros(fitted.nuisances[place]),), most=12)
     shown = predict(arm, virtual, again.parameters[:, None], again.nuisances[0][:, None], problem.step)
     points = midline(shown.q[:, :, 0], shown.theta[:, 0], arm.specimen.length, seen.s)

@@ -2,6 +2,9 @@
 
 interval = value +- 1.96 sqrt(inflation covariance_kk), cut at the physical bounds
 posterior = N(values, inflation covariance)
+declared: covariance^-1 -> (covariance^-1 - prior^-1) / inflation + prior^-1
+
+Declared numbers have a prior. It does not depend on the data's errors, so that it is not inflated.
 """
 
 from __future__ import annotations
@@ -36,6 +39,22 @@ def joint_posterior(problem: Problem, fitted: Fit, inflation: float = 1.0) -> Po
     own = [k for k, name in enumerate(problem.free) if name[0] != DECLARED and name not in fitted.undetermined]
     names = tuple(".".join(problem.free[k]) for k in own)
     return Posterior.of_covariance(names, inflation * fitted.covariance[np.ix_(own, own)])
+
+
+def declared_deviations(problem: Problem, fitted: Fit, inflation: float = 1.0) -> dict[str, float]:
+    """Standard deviation of each uncertain declared number that is fitted, all else marginalised, by its name.
+    inflation: the factor by which the fit's variance from the data is too small.
+    """
+    numbers = [number for number in problem.declared if (DECLARED, number.name) in fitted.free]
+    if not numbers:
+        return {}
+    places = [fitted.free.index((DECLARED, number.name)) for number in numbers]
+    unit = np.array([number.spread for number in numbers])
+    prior = np.diag([0.0 if number.sd is None else 1.0 for number in numbers])
+    information = np.linalg.pinv(fitted.covariance[np.ix_(places, places)] / np.outer(unit, unit), hermitian=True)
+    coarse = np.linalg.pinv((information - prior) / inflation + prior, hermitian=True)
+    deviations = unit * np.sqrt(np.maximum(np.diag(coarse), 0.0))
+    return {number.name: float(sd) for number, sd in zip(numbers, deviations, strict=True)}
 
 
 def estimates(problem: Problem, fitted: Fit, inflation: float = 1.0) -> dict[str, dict[str, Estimate]]:

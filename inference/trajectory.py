@@ -24,22 +24,18 @@ PARAMETER_DIFFERENCE = 1e-3  # of a parameter's scale: central differences, exac
 ONE_SIDED = 1e-5  # of it on the way to the minimum: half the simulations, exact to 1e-5
 MOST_STATES = 2**19  # steps times individuals that are simulated at once: some 100 MB, the largest arrays of a fit
 RAN_AWAY = 1e6  # noise sigmas: every residual of a simulation that diverged
-PRIOR_REACH = 3.0
 
 
 @dataclass(frozen=True)
 class Problem:
     """A fit to be made: an arm, recordings, the names of the free parameters, the vector with the fixed ones.
 
-        r = [filter (measured - predicted) / noise, root (parameters - mean), priors of the nuisances],   min |r|^2 / 2
+        r = [filter (measured - predicted) / noise, (declared - mean) / sd, priors of the nuisances],   min |r|^2 / 2
 
     declared: the uncertain numbers of the declaration. With them, parameters is (R + D,) with their values at its end,
-    and free may name them ("declared", field). Each has the prior that the declaration states, unless it is in
-    prior_free. prior_mean (F,) and prior_root (F, F), root of the information: of the parameters prior_free, from a
-    baseline fit (None: no prior). They stay within PRIOR_REACH standard deviations, because otherwise a heavy tip would
-    look like a soft arm. filters: they whiten each recording's residuals if unknown forces are allowed for
-    (inference.latent_force; empty: white noise alone). defect (T, K) of each recording is added to its residuals
-    (inference.deferred_correction; empty: none).
+    and free may name them ("declared", field). Each has the prior that the declaration states. filters: they whiten
+    each recording's residuals if unknown forces are allowed for (inference.latent_force; empty: white noise alone).
+    defect (T, K) of each recording is added to its residuals (inference.deferred_correction; empty: none).
     """
 
     arm: Arm
@@ -47,9 +43,6 @@ class Problem:
     free: tuple[ParameterName, ...]
     parameters: Array
     step: float
-    prior_free: tuple[ParameterName, ...] = ()
-    prior_mean: Array | None = None
-    prior_root: Array | None = None
     declared: tuple[Uncertain, ...] = ()
     filters: tuple[Filter, ...] = ()
     defect: tuple[Array, ...] = ()
@@ -80,12 +73,6 @@ class Problem:
         limits = {(row.effect, row.parameter.name): row.parameter.bounds for row in parameter_rows()}
         limits |= {(DECLARED, number.name): number.bounds for number in self.declared}
         low, high = np.array([limits[name] for name in self.free]).reshape(-1, 2).T.copy()
-        if self.prior_mean is not None and self.prior_root is not None:
-            places = [self.free.index(name) for name in self.prior_free]
-            inverse = np.linalg.inv(self.prior_root)
-            reach = PRIOR_REACH * np.linalg.norm(inverse, axis=1)
-            low[places] = np.maximum(low[places], self.prior_mean - reach)
-            high[places] = np.minimum(high[places], self.prior_mean + reach)
         length = self.arm.specimen.length
         rest = np.concatenate([e.nuisance_limits(self.arm.order, length) for e in self.experiments])
         return np.concatenate([low, -rest]), np.concatenate([high, rest])
@@ -111,13 +98,10 @@ class Problem:
         each.
         """
         used, everything = self._simulated(parameters, unknowns)
-        if self.prior_mean is not None and self.prior_root is not None:
-            places = [self.free.index(name) for name in self.prior_free]
-            used = np.concatenate([used, self.prior_root @ (unknowns[places] - self.prior_mean[:, None])])
         stated = [
             (unknowns[self.free.index(name)] - number.value) / number.sd
             for name, number in zip(names_of(self.declared), self.declared, strict=True)
-            if number.sd is not None and name in self.free and name not in self.prior_free
+            if number.sd is not None and name in self.free
         ]
         return np.concatenate([used, *(row[None] for row in stated)]), everything
 

@@ -63,7 +63,6 @@ class Link:
 
     def __init__(self, url: str) -> None:
         self.url = url
-        self.bytes_read = self.bytes_written = 0
         self._parser = Parser()
         self._bad_before = 0
         self._port: serial.Serial | None = None
@@ -113,7 +112,6 @@ class Link:
             port.write(data)
         except OSError as error:
             self._lost(error)
-        self.bytes_written += len(data)
 
     def receive(self, wait: float) -> list[WireFrame]:
         """The received frames, after at most `wait` real seconds."""
@@ -129,7 +127,6 @@ class Link:
                 data += port.read(port.in_waiting)
         except (OSError, TypeError) as error:  # pyserial reads a closed descriptor as TypeError
             self._lost(error)
-        self.bytes_read += len(data)
         return self._parser.feed(data) if data else []
 
     def _require(self) -> serial.Serial:

@@ -25,7 +25,7 @@ class BodyTrack:
     """t (T,) [s]; midline (T, P, 2) and width (T, P) [px], NaN where not accepted; reason (T,), "" where accepted.
 
     affine_rms (T,) [px]: distance of the midline from the best curve of affine curvature, with free place, heading and
-    length; quartic_rms: the same for a curvature of fourth order.
+    length.
     """
 
     t: Array
@@ -33,7 +33,6 @@ class BodyTrack:
     width: Array
     reason: tuple[str, ...]
     affine_rms: Array
-    quartic_rms: Array
 
     @property
     def accepted(self) -> NDArray[np.bool_]:
@@ -94,7 +93,6 @@ def track_body(frames: Iterable[Frame], polarity: float | None = None) -> BodyTr
         width=np.array([np.full(BODY_POINTS, np.nan) if axis is None else axis.width for axis in kept]),
         reason=tuple(reasons),
         affine_rms=np.array([np.nan if axis is None else polynomial_rms(axis, 2) for axis in kept]),
-        quartic_rms=np.array([np.nan if axis is None else polynomial_rms(axis, 5) for axis in kept]),
     )
 
 

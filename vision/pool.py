@@ -46,10 +46,9 @@ class PoolResult(Enum):
 class Pooled:
     """x (T, K) and covariance (T, K, K) of the accepted frames, K = order + 1; NaN rows elsewhere.
 
-    shared (G,) with shared_covariance (G, G). offset_mean, offset_spread [rad]: mean and tau of the base angle offset.
-    evidence[n]: chi-square per frame of the coordinates above order n (about their number if they are noise).
-    inflation, staying: factors from the slow waves in the edges' errors, on the variance of a frame's x, and further on
-    that of the shared parameters. result: how the estimate ended.
+    shared (G,) with shared_covariance (G, G). evidence[n]: chi-square per frame of the coordinates above order n (about
+    their number if they are noise). inflation, staying: factors from the slow waves in the edges' errors, on the
+    variance of a frame's x, and further on that of the shared parameters. result: how the estimate ended.
     """
 
     x: Array
@@ -57,8 +56,6 @@ class Pooled:
     order: int
     shared: Array
     shared_covariance: Array
-    offset_mean: float
-    offset_spread: float
     evidence: dict[int, float]
     inflation: float
     staying: float
@@ -117,7 +114,7 @@ def pool(
         chosen = order or min(2, fitted)
         nan = np.full((len(seen), chosen + 1), np.nan)
         nans, spread, ended = nan[:, :, None] * nan[:, None, :], np.diag(prior**2), PoolResult.NOTHING_SEEN
-        return Pooled(nan, nans, chosen, start, spread, np.nan, np.nan, {}, 1.0, 1.0, ended)
+        return Pooled(nan, nans, chosen, start, spread, {}, 1.0, 1.0, ended)
     good = [frame for frame in seen if frame.accepted]
     power, staying = inflation(np.array([frame.waves for frame in good]))
     # Without a log of the base's rotation only the sides tell g: then the whole persistent error counts.
@@ -163,8 +160,6 @@ def pool(
         order=chosen,
         shared=start + solution.shared,
         shared_covariance=solution.covariance[:SHARED, :SHARED],
-        offset_mean=solution.mean,
-        offset_spread=solution.tau,
         evidence=evidence,
         inflation=power,
         staying=staying,

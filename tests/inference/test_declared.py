@@ -8,6 +8,7 @@ import numpy as np
 
 from inference.base_fit import Setting, fit_base
 from inference.declared_words import declared_words
+from inference.estimates import declared_deviations
 from inference.fit import Fit
 from inference.identify import identify
 from inference.prepare import prepare
@@ -52,6 +53,19 @@ def test_a_number_that_the_motion_does_not_show_keeps_its_declared_spread(record
     place = fitted.free.index(("declared", DENSITY))
     assert np.isclose(np.sqrt(fitted.covariance[place, place]), 50.0, rtol=0.02)  # the prior alone, to rounding
     assert declared_words(problem, fitted)[0].endswith("say nothing about it.")
+
+
+def test_where_the_likelihood_is_coarsened_the_declaration_keeps_its_weight(recorded) -> None:
+    """One number: 1 / var -> (1 / var - 1 / sd^2) / T + 1 / sd^2. With T beyond all bounds its declared spread is left."""
+    number = Uncertain(LENGTH, 0.136, 0.005, 1e-6)
+    problem, fitted = fitted_to(declared_as(recorded(seconds=6.0), number))
+    plain = declared_deviations(problem, fitted)[LENGTH]
+    place = fitted.free.index(("declared", LENGTH))
+    assert np.isclose(plain, np.sqrt(fitted.covariance[place, place]), rtol=1e-9)  # the algebra's rounding
+    told = (1.0 / plain**2 - 1.0 / 0.005**2) / 18.0 + 1.0 / 0.005**2
+    assert np.isclose(declared_deviations(problem, fitted, 18.0)[LENGTH], told**-0.5, rtol=1e-6)
+    assert np.isclose(declared_deviations(problem, fitted, 1e12)[LENGTH], 0.005, rtol=1e-3)  # T = 1e12 leaves 1e-5
+    assert declared_words(problem, fitted, 1e12)[0].endswith("say nothing about it.")
 
 
 def test_a_range_that_excludes_the_truth_is_named(recorded) -> None:
