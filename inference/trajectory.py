@@ -157,11 +157,12 @@ class Problem:
             if self.defect:
                 error += self.defect[number][:, :, None]
             error[:, :, np.isfinite(prediction.batch.diverged)] = RAN_AWAY
-            everything.append(error[:, :, lanes])
             of_used = (
                 self.filters[number].whiten(error) if self.filters else error[experiment.used].reshape(-1, kinds.size)
             )
-            used.append(of_used[:, lanes])
+            shared = kinds.size < lanes.size
+            everything.append(error[:, :, lanes] if shared else error)
+            used.append(of_used[:, lanes] if shared else of_used)
             used.append(experiment.prior_residuals(self.arm.order, self.arm.specimen.length, nuisances))
         return np.concatenate(used), everything
 
