@@ -22,14 +22,17 @@ from discovery.rank import RankedSet
 from inference.decay import has_decay, horizons_of
 from inference.deferred_correction import corrected
 from inference.fit import split
+from inference.horizon import first_part
 from inference.posterior import Hypothesis
 from inference.score import Candidate
 from inference.successive_halving import LEFT, Leg, Points, followed, residuals_at
+from inference.trajectory import Problem
 from inference.whitened_fit import LinearRefit
 
 LINEAR_SHARES = (1.0, 0.4)  # of the linear estimate: beyond the linear regime it is too large
 SHAPES = 6  # points of the grid of one effect's shapes, at most
-FAR_LEGS = ((1, 0.25), (2, 0.5), (3, 0.0))  # of successive halving: steps from each point, and the share that goes on
+# Of successive halving: the share of the motion that is followed, steps from each point, and the share that goes on.
+FAR_LEGS = ((0.25, 1, 0.25), (0.5, 2, 0.5), (1.0, 3, 0.0))
 MOST_BY_THEMSELVES = 2  # strengths of a law, each of which the grid takes by itself
 Names = tuple[tuple[str, str], ...]
 LARGEST_BASE_MOVE = 0.7  # of its own value: how far a base parameter is moved to begin with
@@ -46,7 +49,8 @@ class RefitStart:
 
 def base_follows(centre: Hypothesis, start: Hypothesis) -> LinearRefit | tuple[Leg, ...]:
     """How the base follows an effect that is added: to first order, or by successive halving. In a decay this goes
-    along its horizons; beside a model that is far from the data it moves the free parameters alone.
+    along its horizons; beside a model that is far from the data it goes along FAR_LEGS and moves the free parameters
+    alone.
     """
     unmoved = replace(start.problem, parameters=start.fitted.parameters)
     if has_decay(centre.problem):
@@ -55,8 +59,14 @@ def base_follows(centre: Hypothesis, start: Hypothesis) -> LinearRefit | tuple[L
         return LinearRefit.of(start.problem, start.fitted)
     filters = tuple(force.filter(MOST_DECLARED_FORM) for force in start.forces)
     unknowns = np.concatenate([start.fitted.values, *start.fitted.nuisances])
-    whole = corrected(replace(unmoved, filters=filters), unknowns)
-    return tuple(Leg(whole, steps, kept, states=False) for steps, kept in FAR_LEGS)
+    whole = replace(unmoved, filters=filters)
+
+    def followed_until(share: float) -> Problem:
+        return whole if share == 1.0 else first_part(unmoved, start.fitted.nuisances, share, MOST_DECLARED_FORM)
+
+    return tuple(
+        Leg(corrected(followed_until(share), unknowns), steps, kept, states=False) for share, steps, kept in FAR_LEGS
+    )
 
 
 def is_far(centre: Hypothesis) -> bool:

@@ -14,14 +14,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from affine_model.curvature import Array
-from inference.experiment import Experiment
 from inference.fit import minimised, split
-from inference.latent_force import ELL
-from inference.linearise import latent_forces
-from inference.motion_time import motion_time
+from inference.horizon import period, until, whitened_early
 from inference.successive_halving import Leg
 from inference.trajectory import Problem
 
@@ -29,8 +24,6 @@ HORIZONS, STEPS = (1.0, 2.5, 6.0), 3  # periods of the motion that are followed 
 HALF = 0.5  # of the points go on from one horizon to the next
 DECAY_SHARE = 0.05  # of unknown forces, beside which the fits of a decay begin
 ROUGH_TOLERANCE, MOST_ROUNDS = 1e-3, 20  # of the fits on the way
-FEWEST_FRAMES = 6  # that a horizon holds
-AFTERWARDS = 0.1  # s beyond the last frame that counts
 
 
 def has_decay(problem: Problem) -> bool:
@@ -58,24 +51,10 @@ def horizons_of(problem: Problem, nuisances: tuple[Array, ...]) -> tuple[Leg, ..
 
 
 def horizon_of(problem: Problem, nuisances: tuple[Array, ...], periods: float) -> Problem:
-    """The problem with the first periods of its decays alone, whitened as about the run with these nuisances."""
-    experiments = tuple(
-        _until(experiment, 2.0 * np.pi * periods * ELL * motion_time(experiment)) for experiment in problem.experiments
-    )
-    early = replace(problem, experiments=experiments, filters=())
-    own = latent_forces(early, early.parameters, nuisances)
-    return replace(early, filters=tuple(force.filter(DECAY_SHARE) for force in own))
-
-
-def _until(experiment: Experiment, after: float) -> Experiment:
-    """The experiment with the frames up to that long after its release [s]; one that does not decay is as it was."""
-    if experiment.release is None:
-        return experiment
-    count = max(int(np.searchsorted(experiment.observation.t, experiment.release + after)), FEWEST_FRAMES)
-    count = min(count, experiment.used.size)
-    return replace(
-        experiment,
-        observation=experiment.observation.first(count),
-        used=experiment.used[:count],
-        duration=min(experiment.duration, after + AFTERWARDS),
-    )
+    """The problem with the first periods of its decays alone, whitened as about the run with these nuisances. A
+    recording that does not decay is whole.
+    """
+    experiments = [
+        one if one.release is None else until(one, one.release + periods * period(one)) for one in problem.experiments
+    ]
+    return whitened_early(problem, nuisances, experiments, DECAY_SHARE)

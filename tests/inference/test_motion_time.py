@@ -5,7 +5,7 @@ import pytest
 
 from inference.experiment import Experiment
 from inference.marker_observation import MarkerObservation
-from inference.motion_time import motion_time
+from inference.motion_time import motion_time, moved_until
 from inference.observation import POSE, ShapeObservation
 from tentacle.waveform import Sine
 
@@ -47,3 +47,13 @@ def test_a_decay_counts_from_its_release():
     after = t >= 3.0
     free = motion_time(experiment(shapes(t[after], swings[after], 0.0 * t[after], 0.0), release=3.0))
     assert held == pytest.approx(free, rel=1e-9)
+
+
+@pytest.mark.parametrize("share", [0.25, 0.5])
+def test_of_a_rising_frequency_the_motion_comes_late(share):
+    """theta = a sin(k t^2): the square of the rate grows as t^2, so that its integral has a share (t / T)^3 by t."""
+    t = np.arange(0.0, 20.0, 1 / 240)
+    rising = 0.3 * np.sin(0.6 * t**2)
+    found = moved_until(experiment(shapes(t, 0.0 * t, rising, 0.0)), share)
+    # It comes in swings of pi / omega = .2 s there, between which nothing moves.
+    assert found == pytest.approx(20.0 * share ** (1.0 / 3.0), abs=0.2)
