@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -69,11 +70,18 @@ class HeldOutside:
     last: float
 
     def __call__(self, t: ArrayLike) -> Array:
-        """theta, rate, acceleration (3, ...)."""
+        """theta, rate, acceleration (3, ...), not to be written to: a fit asks for the same times again and again."""
         times = np.asarray(t, dtype=float)
-        table = np.array(self.motion(np.clip(times, self.first, self.last)))
-        table[1:] *= (times >= self.first) & (times <= self.last)
-        return table
+        return _held_outside(self, times.tobytes()).reshape(3, *times.shape)
+
+
+@lru_cache(maxsize=8)
+def _held_outside(base: HeldOutside, times: bytes) -> Array:
+    t = np.frombuffer(times)
+    table = np.array(base.motion(np.clip(t, base.first, base.last)))
+    table[1:] *= (t >= base.first) & (t <= base.last)
+    table.flags.writeable = False
+    return table
 
 
 def _base(recording: Recording) -> Waveform:

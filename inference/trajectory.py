@@ -156,7 +156,9 @@ class Problem:
             error = whitened_residuals(experiment, prediction)
             if self.defect:
                 error += self.defect[number][:, :, None]
-            error[:, :, np.isfinite(prediction.batch.diverged)] = RAN_AWAY
+            ran_away = np.isfinite(prediction.batch.diverged)
+            if ran_away.any():
+                error[:, :, ran_away] = RAN_AWAY
             of_used = (
                 self.filters[number].whiten(error) if self.filters else error[experiment.used].reshape(-1, kinds.size)
             )
