@@ -45,7 +45,7 @@ def test_a_clamp_of_unknown_give_is_measured_and_nothing_is_missing(seen):
     (sentence,) = (words for words in found.words if CLAMP in words)
     value, deviation = (float(part.rstrip(".")) for part in sentence.split("the data say ")[1].split(" +- "))
     assert abs(value - GIVES) < 3.0 * deviation
-    assert deviation < 0.2 * GIVES
+    assert deviation < 0.2 * 0.01  # m, of what was declared: the data decide
     assert found.base_model.specimen.clamp_length == pytest.approx(value, abs=0.1 * deviation)  # the words are rounded
 
 

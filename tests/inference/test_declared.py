@@ -56,7 +56,7 @@ def test_a_number_that_the_motion_does_not_show_keeps_its_declared_spread(record
 
 
 def test_where_the_likelihood_is_coarsened_the_declaration_keeps_its_weight(recorded) -> None:
-    """One number: 1 / var -> (1 / var - 1 / sd^2) / T + 1 / sd^2. With T beyond all bounds its declared spread is left."""
+    """Of one number 1 / var -> (1 / var - 1 / sd^2) / T + 1 / sd^2: with a large T its declared spread is left."""
     number = Uncertain(LENGTH, 0.136, 0.005, 1e-6)
     problem, fitted = fitted_to(declared_as(recorded(seconds=6.0), number))
     plain = declared_deviations(problem, fitted)[LENGTH]
