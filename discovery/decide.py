@@ -27,9 +27,10 @@ DECLARED_ALIKE of the motion that looks like an effect: in M nats of motion (inf
 DECLARED_ALIKE^2 M, and one effect is not named for it. In 19 development recordings of two plants without an effect,
 the best set gained at most .00095^2 M; the constant is 1.5 times that.
 
-The verdict is the outcome with the largest mass. The credible sets are the smallest family of sets with CREDIBLE of the
-known mass. What they share is the answer if one of them holds nothing else; otherwise all of them are a group, for
-another effect acts beside what they share, and its name is open.
+The verdict is the outcome with the largest mass. The credible sets are the fewest sets that, with all sets that contain
+them, hold CREDIBLE of the known mass: whether more acts beside them is another question. What they share is the answer
+if one of them holds nothing else; otherwise all of them are a group, for another effect acts beside what they share,
+and its name is open.
 """
 
 from __future__ import annotations
@@ -40,6 +41,7 @@ from math import comb
 
 import numpy as np
 
+from affine_model.curvature import Array
 from affine_model.effects import absent_effects, catalogue
 from inference.fit import Fit
 from inference.posterior import Hypothesis
@@ -64,8 +66,8 @@ class PosteriorDecision:
     """The verdict, its effects and its posterior mass.
 
     certain: effects that are in every credible set; the answer if one of these sets holds nothing else. sets: the
-    credible sets with their mass. masses: effect -> posterior mass of all sets that contain it. leading, rivals:
-    hypotheses of the credible sets.
+    credible sets with the mass that each and those that contain it hold. masses: effect -> posterior mass of all sets
+    that contain it. leading, rivals: hypotheses of the credible sets.
     """
 
     verdict: Verdict
@@ -197,7 +199,6 @@ def decide_by_mass(hypotheses: list[Hypothesis]) -> PosteriorDecision:
     missing = missing_of(hypotheses)
     logs = np.array([log_masses(h, missing) for h in hypotheses])
     mass = np.exp(logs - np.logaddexp.reduce(logs.ravel()))
-    order = np.argsort(-mass[:, 0], kind="stable")
     unexplained = float(mass[:, 1].sum())
     empty = next(k for k, h in enumerate(hypotheses) if not h.effects)
     masses: dict[str, float] = {}
@@ -207,19 +208,12 @@ def decide_by_mass(hypotheses: list[Hypothesis]) -> PosteriorDecision:
     if unexplained >= 0.5:
         leading = hypotheses[int(np.argmax(mass[:, 1]))]
         return PosteriorDecision("unknown", (), unexplained, (), (), masses, leading, ())
-    total, credible = 0.0, list[int]()
-    for k in order:
-        total += mass[k, 0]
-        # A set that contains a credible set is left out: the data do not support its further effects.
-        if not any(set(hypotheses[c].effects) < set(hypotheses[k].effects) for c in credible if c != empty):
-            credible.append(int(k))
-        if total >= CREDIBLE * (1.0 - unexplained):
-            break
-    sets = tuple((hypotheses[k].effects, float(mass[k, 0])) for k in credible)
-    leading = hypotheses[credible[0]]
-    rivals = tuple(hypotheses[k] for k in credible[1:])
+    credible = _credible(hypotheses, mass[:, 0], CREDIBLE * (1.0 - unexplained))
+    total, sets = sum(credible.values()), tuple((hypotheses[k].effects, held) for k, held in credible.items())
+    first, *others = credible
+    leading, rivals = hypotheses[first], tuple(hypotheses[k] for k in others)
     certain = tuple(name for name in leading.effects if all(name in effects for effects, _ in sets))
-    if credible[0] == empty or mass[empty, 0] >= 0.5:
+    if first == empty or mass[empty, 0] >= 0.5:
         return PosteriorDecision(
             "nothing_missing", (), float(mass[empty, 0]), (), sets, masses, hypotheses[empty], rivals
         )
@@ -230,5 +224,22 @@ def decide_by_mass(hypotheses: list[Hypothesis]) -> PosteriorDecision:
         holding = sum(float(m[0]) for h, m in zip(hypotheses, mass, strict=True) if set(certain) <= set(h.effects))
         return PosteriorDecision("effect", certain, holding, certain, sets, masses, leading, rivals)
     union = sorted({name for effects, _ in sets for name in effects}, key=lambda name: -masses[name])
-    named = float(total - mass[empty, 0] * (empty in credible))
+    named = total - credible.get(empty, 0.0)
     return PosteriorDecision("group", tuple(union), named, certain, sets, masses, leading, rivals)
+
+
+def _credible(hypotheses: Sequence[Hypothesis], mass: Array, asked: float) -> dict[int, float]:
+    """Places of the credible sets, the largest first, and the mass that each holds with all sets that contain it; no
+    set alone, because every set contains it. Together they hold at least what is asked.
+    """
+    sets, left = [frozenset(h.effects) for h in hypotheses], mass.copy()
+    found: dict[int, float] = {}
+    for k in np.argsort(-mass, kind="stable"):
+        if any(sets[c] and sets[c] < sets[k] for c in found):
+            continue
+        held = [j for j in range(len(sets)) if j == k or (sets[k] and sets[k] < sets[j])]
+        found[int(k)] = float(left[held].sum())
+        left[held] = 0.0
+        if sum(found.values()) >= asked:
+            break
+    return found

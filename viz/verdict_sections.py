@@ -98,15 +98,15 @@ def limits_sections(answer: Mapping[str, Any], best: ProposedLaw | None = None) 
         ]
         together = probability_words(sum(one["probability"] for one in sets))
         words = (
-            "The smallest family of sets with 95 % of the probability of all sets of the catalogue. It has "
-            f"{together} of the whole probability. The rest belongs to effects outside the catalogue, and to sets of "
-            "more effects than these."
+            "The fewest sets with 95 % of the probability of all sets of the catalogue. Each counts with the sets that "
+            f"contain it: more may act beside it. Together they have {together} of the whole probability. The rest "
+            "belongs to effects outside the catalogue, and to other sets."
         )
         confidence = (
             "The confidence at the top is another number: the probability of the verdict as a whole, corrected by how "
             "often such verdicts were right in blind trials."
         )
-        header = ("these effects and no others", "probability of exactly this set")
+        header = ("these effects", "probability of these, alone or beside others")
         table = ReportTable("Sets of effects", header, rows, numeric=(1,))
         found.append(ReportSection("Likely answers", [words, confidence], [table]))
     laws = answer.get("laws") or []

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from affine_model.effects import absent_effects
 from discovery.decide import ANOTHER_DAY, baseline_coarsening, decide_by_mass, log_masses, log_prior_of_set, missing_of
 from inference.posterior import FORCE_SHARES, Hypothesis
 from tentacle.solver_result import RESULTS
@@ -71,6 +72,21 @@ def test_where_each_credible_set_has_more_than_they_share_all_of_them_are_the_an
     found = decide_by_mass([*sets, made(("tip_mass",), 0.003, 15.0)])
     assert (found.verdict, found.certain) == ("group", ("tip_mass",))
     assert set(found.effects) == {"tip_mass", *others}
+
+
+def test_an_effect_beside_doubtful_others_is_still_that_effect(made):
+    """A rival of 3 % makes no group of what 97 % have in common, however many sets these are spread over."""
+    doubtful = [one.name for one in absent_effects() if one.name not in ("tip_mass", "soft_spot")][:12]
+    beside = [made(("tip_mass", name), 0.003, 50.0) for name in doubtful]
+    sets = [made((), 0.1, 0.0), made(("tip_mass",), 0.003, 50.0), *beside]
+    found = decide_by_mass([*sets, made(("soft_spot",), 0.003, 44.0)])
+    assert max(found.masses[name] for name in doubtful) < found.masses["soft_spot"] < 0.05
+    assert (found.verdict, found.effects, found.certain) == ("effect", ("tip_mass",), ("tip_mass",))
+    ((held, mass),) = found.sets
+    assert held == ("tip_mass",)
+    assert mass == pytest.approx(found.confidence)
+    found = decide_by_mass([*sets, made(("soft_spot",), 0.003, 49.0)])
+    assert (found.verdict, set(found.effects)) == ("group", {"tip_mass", "soft_spot"})
 
 
 def test_a_fit_that_did_not_converge_is_not_named(made):

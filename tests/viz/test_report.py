@@ -161,7 +161,7 @@ def test_a_gait_and_a_thrust_are_offered_where_there_is_water_and_a_base_that_tu
 def test_three_probabilities_of_one_answer_say_what_each_is(case):
     answer = replace(case.diagnosis, sets=(CredibleSet(("current",), 0.84),))
     page = text_of(diagnosis_report(answer, [], "tentacle diagnose run", {}, {}))
-    assert "these effects and no others probability of exactly this set current 84.0 %" in page
+    assert "these effects probability of these, alone or beside others current 84.0 %" in page
     assert "probability of all sets with it" in page
     assert "The confidence at the top is another number" in page
 
