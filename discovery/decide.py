@@ -232,14 +232,15 @@ def _credible(hypotheses: Sequence[Hypothesis], mass: Array, asked: float) -> di
     """Places of the credible sets, the largest first, and the mass that each holds with all sets that contain it; no
     set alone, because every set contains it. Together they hold at least what is asked.
     """
-    sets, left = [frozenset(h.effects) for h in hypotheses], mass.copy()
+    sets = [frozenset(h.effects) for h in hypotheses]
     found: dict[int, float] = {}
-    for k in np.argsort(-mass, kind="stable"):
-        if any(sets[c] and sets[c] < sets[k] for c in found):
+    left = set(range(len(sets)))
+    for k in np.argsort(-mass, kind="stable").tolist():
+        if k not in left:
             continue
-        held = [j for j in range(len(sets)) if j == k or (sets[k] and sets[k] < sets[j])]
-        found[int(k)] = float(left[held].sum())
-        left[held] = 0.0
+        held = {k} | {j for j in left if sets[k] and sets[k] < sets[j]}
+        found[k] = float(mass[sorted(held)].sum())
+        left -= held
         if sum(found.values()) >= asked:
             break
     return found

@@ -32,6 +32,7 @@ from inference.whitened_fit import LinearRefit
 LINEAR_SHARES = (1.0, 0.4)  # of the linear estimate: beyond the linear regime it is too large
 SHAPES = 6  # points of the grid of one effect's shapes, at most
 # Of successive halving: the share of the motion that is followed, steps from each point, and the share that goes on.
+# Chosen, for speed: with all of the motion on each leg 11 recordings had the same answers (docs/loop_trials.md).
 FAR_LEGS = ((0.25, 1, 0.25), (0.5, 2, 0.5), (1.0, 3, 0.0))
 MOST_BY_THEMSELVES = 2  # strengths of a law, each of which the grid takes by itself
 Names = tuple[tuple[str, str], ...]

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from affine_model.arm import parameter_rows
-from inference.declared_arm import DECLARED
+from inference.declared_arm import DECLARED, names_of
 from inference.fit import Fit
 from inference.trajectory import ParameterName, Problem
 from tentacle.model import Estimate
@@ -45,10 +45,11 @@ def declared_deviations(problem: Problem, fitted: Fit, inflation: float = 1.0) -
     """Standard deviation of each uncertain declared number that is fitted, all else marginalised, by its name.
     inflation: the factor by which the fit's variance from the data is too small.
     """
-    numbers = [number for number in problem.declared if (DECLARED, number.name) in fitted.free]
-    if not numbers:
+    stated = zip(names_of(problem.declared), problem.declared, strict=True)
+    fitted_at = {fitted.free.index(name): number for name, number in stated if name in fitted.free}
+    if not fitted_at:
         return {}
-    places = [fitted.free.index((DECLARED, number.name)) for number in numbers]
+    places, numbers = list(fitted_at), list(fitted_at.values())
     unit = np.array([number.spread for number in numbers])
     prior = np.diag([0.0 if number.sd is None else 1.0 for number in numbers])
     information = np.linalg.pinv(fitted.covariance[np.ix_(places, places)] / np.outer(unit, unit), hermitian=True)

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from inference.base_fit import Setting
 from inference.horizon import AFTERWARDS, first_part, until
 from inference.prepare import prepare
 from tests.made_recordings import base_of
@@ -28,7 +27,7 @@ def test_an_early_problem_has_the_first_residuals_of_the_whole_one(recorded) -> 
 
 def test_a_horizon_beyond_the_end_is_the_whole_recording(recorded) -> None:
     recording = recorded(seconds=3.0)
-    whole = Setting(recording.declaration, (prepare(recording, hold_out=False).experiment,), 2).experiments[0]
+    whole = prepare(recording, hold_out=False).experiment
     assert until(whole, 1e3).used.size == whole.used.size
     assert until(whole, 1e3).duration == whole.duration
     half = until(whole, whole.t0 + 1.5)
