@@ -7,7 +7,7 @@ import pytest
 
 from inference.deferred_correction import Effort, coarser, corrected, minimised_at_step
 from inference.fit import minimised
-from inference.trajectory import Problem
+from inference.trajectory import RAN_AWAY, Problem
 
 
 @pytest.fixture(scope="module")
@@ -43,3 +43,25 @@ def test_it_ends_at_the_minimum_of_the_fine_step(begun, with_current):
     # Without a correction the coarse step itself has another minimum: this is what the correction takes away.
     coarse = replace(problem, step=coarser(problem) * problem.step)
     assert abs(minimised(coarse, nuisances, tolerance=1e-7, most=40)[1].cost - lowest.cost) > 0.02
+
+
+def test_near_where_the_coarse_run_leaves_all_bounds_there_is_no_coarser_step(begun):
+    problem, unknowns = begun
+    coarse = replace(problem, step=coarser(problem) * problem.step)
+    place = problem.free.index(("elasticity", "E"))
+
+    def stiffer(factor: float) -> np.ndarray:
+        return np.concatenate([unknowns[:place], [factor * unknowns[place]], unknowns[place + 1 :]])
+
+    def runs_away(factor: float) -> bool:
+        return max(np.abs(rows).max() for rows in coarse.residuals(stiffer(factor)[:, None])[1]) >= RAN_AWAY
+
+    below, above = 1.0, 2.0
+    while not runs_away(above):
+        below, above = above, 2.0 * above
+    for _ in range(16):
+        middle = 0.5 * (below + above)
+        below, above = (below, middle) if runs_away(middle) else (middle, above)
+    # Derivatives are taken 1e-3 of a typical stiffness to both sides, farther than 2^-16 of the bracket.
+    assert corrected(problem, stiffer(below)) is problem
+    assert corrected(problem, stiffer(0.5 * below)).step == coarse.step
