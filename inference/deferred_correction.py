@@ -62,15 +62,28 @@ def corrected(problem: Problem, unknowns: Array) -> Problem:
 
 
 def minimised_at_step(problem: Problem, nuisances: tuple[Array, ...], effort: Effort) -> tuple[Array, Minimum, Problem]:
-    """`inference.trajectory.minimised` with runs at the coarser step, and the problem that is corrected at its end."""
-    coarse, passes = corrected(problem, np.concatenate([problem.parameters[problem.rows()], *nuisances])), 0
+    """`inference.trajectory.minimised` with runs at the coarser step, and the problem that is corrected at its end.
+
+    Where the step's error does not change slowly, a correction may lead uphill. Then the fit goes on from there with
+    the step that the problem asks for, and so do its derivatives.
+    """
+    here = np.concatenate([problem.parameters[problem.rows()], *nuisances])
+    coarse, passes = corrected(problem, here), 0
     while True:
         unknowns, lowest = minimised(coarse, nuisances, tolerance=effort.tolerance, most=effort.rounds)
-        parameters, nuisances = split(problem, unknowns)
-        before, coarse = coarse, corrected(replace(problem, parameters=parameters), unknowns)
+        there = replace(problem, parameters=split(problem, unknowns)[0])
+        before, coarse = coarse, corrected(there, unknowns)
+        if _cost(coarse, unknowns) > _cost(before, here) + SETTLED:
+            return *minimised(problem, nuisances, tolerance=effort.tolerance, most=effort.rounds), problem
+        problem, nuisances, here = there, split(problem, unknowns)[1], unknowns
         passes += 1
         if _change(before, coarse) < SETTLED or passes == effort.passes:
             return unknowns, lowest, coarse
+
+
+def _cost(problem: Problem, unknowns: Array) -> float:
+    """Half the sum of squares [nats] at these unknowns (P,)."""
+    return 0.5 * float(np.sum(problem.residuals(unknowns[:, None])[0] ** 2))
 
 
 def _change(before: Problem, after: Problem) -> float:

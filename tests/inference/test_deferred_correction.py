@@ -65,3 +65,31 @@ def test_near_where_the_coarse_run_leaves_all_bounds_there_is_no_coarser_step(be
     # Derivatives are taken 1e-3 of a typical stiffness to both sides, farther than 2^-16 of the bracket.
     assert corrected(problem, stiffer(below)) is problem
     assert corrected(problem, stiffer(0.5 * below)).step == coarse.step
+
+
+def test_where_the_correction_leads_uphill_the_fit_goes_on_at_its_own_step(with_current):
+    # The arm is so stiff that a step of 1/150 s is half of what lets its runs leave all bounds.
+    problem = replace(
+        with_current.problem, step=1.0 / 300.0, parameters=with_current.fitted.parameters.copy(), filters=()
+    )
+    stiff, damped = (problem.rows()[problem.free.index(name)] for name in (("elasticity", "E"), ("damping", "eta")))
+    problem.parameters[stiff] *= 75.0
+    unknowns = np.concatenate([problem.parameters[problem.rows()], *with_current.fitted.nuisances])
+    (experiment,) = problem.experiments
+    rows = problem.residuals(unknowns[:, None])[1][0][:, :, 0] * experiment.noise_gain
+    exact = replace(experiment, observation=experiment.observation.subtract_residual(rows))
+    parameters = problem.parameters.copy()
+    parameters[stiff] *= 0.97
+    parameters[damped] *= 0.5
+    begun = replace(problem, experiments=(exact,), parameters=parameters)
+    found, lowest, at_end = minimised_at_step(begun, with_current.fitted.nuisances, Effort(tolerance=5e-5))
+
+    def cost(there: np.ndarray) -> float:
+        return 0.5 * float(np.sum(begun.residuals(there[:, None])[0] ** 2))
+
+    start = np.concatenate([parameters[begun.rows()], *with_current.fitted.nuisances])
+    # The data are the model's own, so that the truth costs its priors alone; the corrected fit ended above its start.
+    assert cost(start) > 10.0
+    assert cost(found) < cost(unknowns)
+    assert lowest.cost == pytest.approx(cost(found), rel=1e-9)
+    assert at_end.step == begun.step
