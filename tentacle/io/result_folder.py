@@ -38,8 +38,10 @@ OF_MANY_VERBS = (
 def told_before(folder: Path) -> str:
     """What a folder holds before results are written into it, and what becomes of that; empty where it holds nothing.
 
-    Results are told by the verb that alone writes a file of such a name; everything else by its name.
+    Results are told by the verb that alone writes a file of such a name; everything else by its name. InputError where
+    the folder is a file, before hours of work are lost.
     """
+    _require_no_file(folder)
     if not folder.is_dir():
         return ""
     there = sorted(path.name for path in folder.iterdir() if not path.name.startswith("."))
@@ -58,8 +60,7 @@ def written(folder: Path) -> Iterator[Path]:
     """A folder to write into; on success its files replace those of the same names in `folder`, on failure nothing
     changes.
     """
-    if folder.exists() and not folder.is_dir():
-        raise InputError("is a file", file=folder, expected="a folder for the results")
+    _require_no_file(folder)
     folder = Path(os.path.realpath(folder))  # a link may lead to another disk, and `..` is no name
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
@@ -76,6 +77,11 @@ def written(folder: Path) -> Iterator[Path]:
             _move_into(partial, folder)
         finally:
             shutil.rmtree(partial, ignore_errors=True)
+
+
+def _require_no_file(folder: Path) -> None:
+    if folder.exists() and not folder.is_dir():
+        raise InputError("is a file", file=folder, expected="a folder for the results")
 
 
 def _require_places(partial: Path, folder: Path) -> None:

@@ -52,6 +52,12 @@ def test_nothing_is_told_of_a_folder_without_results(tmp_path: Path) -> None:
     assert told_before(holding(tmp_path / "hidden", ".DS_Store")) == ""
 
 
+def test_a_file_in_the_folder_s_place_is_refused_before_the_work(tmp_path: Path) -> None:
+    (tmp_path / "answer").write_text("mine")
+    with pytest.raises(InputError, match="is a file"):
+        told_before(tmp_path / "answer")
+
+
 def test_what_is_told_is_what_happens(tmp_path: Path) -> None:
     folder = holding(tmp_path / "answer", "verdict.json", "notes.txt", "laws/mine.toml", "laws/law.toml")
     write_new(folder, "verdict.json", "report.html", "laws/law.toml")
