@@ -104,6 +104,22 @@ def test_what_refitting_absorbs_has_no_r():
     assert twice == pytest.approx(4.0 * small, rel=0.3)
 
 
+def test_beside_a_baseline_the_arm_s_own_parameters_absorb_nothing():
+    """A softer arm is what a refit absorbs, unless another recording shows how stiff it is."""
+    alone = of_kind("buoyancy")
+    for design, seen in ((alone, False), (replace(alone, baseline=("bare",)), True)):
+        problem, nuisances = bare_problem(design)
+        assert bool(problem.free) is not seen
+        true = parameter_vector(design.model())
+        unknowns = np.concatenate([problem.parameters[problem.rows()], nuisances])[:, None]
+        softer = true.copy()
+        softer[parameter_index("elasticity", "E")] *= 0.9
+        bare, changed = (problem.residuals_everywhere(p[:, None], unknowns)[0][:, :, 0] for p in (true, softer))
+        left = left_by_refit(problem, nuisances, changed - bare)
+        assert (left > 1.0) is seen  # noise sigmas
+        assert seen or left < 0.1
+
+
 def test_the_arm_that_is_refitted_carries_the_water_that_is_declared():
     """A stiffness 30 times as large is within the base. Without the declared water the bare arm would move otherwise
     than the plant's, and R would be the difference between these two motions.

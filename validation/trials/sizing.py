@@ -51,14 +51,16 @@ STIFFER, MORE_DAMPED = (0.6, 0.8, 1.0, 1.25, 1.6, 2.2), (1.0, 5.0)
 def bare_problem(design: Design, root: Array | None = None) -> tuple[Problem, Array]:
     """A trajectory problem at a trial's truth without hidden effects and without noise, and its nuisances.
 
-    The data are whitened by the measurement's noise or, for a track, by a root (K, K).
+    The data are whitened by the measurement's noise or, for a track, by a root (K, K). A baseline shows the arm's own
+    parameters, so that beside one none of them is free: only the pose that the arm is let go from is.
     """
     model = design.model()
     arm = arm_of(replace(model, order=SIZED_ORDER))
-    free = tuple((effect, name) for effect, values in model.parameters.items() for name in values)
+    base = tuple((effect, name) for effect, values in model.parameters.items() for name in values)
     parameters = declared_parameters(model.specimen, model.fluid)
-    for effect, name in free:
+    for effect, name in base:
         parameters[parameter_index(effect, name)] = model.value(effect, name)
+    free = () if design.baseline else base
     t = np.arange(0.0, design.duration, 1.0 / SIZED_AT)
     base = design.waveform()
     theta, release = base(t)[0], design.release_t
