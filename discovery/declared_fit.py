@@ -8,12 +8,15 @@ from functools import partial
 
 from discovery.answer import MOST_EFFECTS
 from discovery.baseline_law import MATERIAL, WATER, BaselineShows, Taken, baseline_of
-from discovery.decide import PosteriorDecision
+from discovery.decide import PosteriorDecision, form_coarsening
 from discovery.given import Deciding, Given, held_out_run
 from inference.base_fit import Setting, fit_baseline_alone, fitted_order, most_coordinates, needed_order, rough_base_fit
 from inference.experiment import PARAMETER_SPREAD
 from inference.fit import Fit
+from inference.linearise import latent_forces
+from inference.motion import motion_nats
 from inference.one_arm import one_arm
+from inference.posterior import FORCE_SHARES
 from inference.prepare import CannotTellError, Prepared, prepare
 from inference.sufficient_step import sufficient_step
 from inference.trajectory import Problem
@@ -79,6 +82,7 @@ def fit_declared(given: Given, deciding: Deciding, progress: Stage, taken: Taken
         problem, fitted = fit_baseline_alone(rough, problem.arm.order, warm=fitted)
     fine = as_fitted(replace(problem, step=FINER * sufficient_step(problem, fitted)))
     shows = baseline_of(fine, fitted.nuisances, setting, taken) if given.baseline else None
+    fine = _set_up_known(fine, fitted, 1.0 if shows is None else shows.error.coarsening)
     return DeclaredFit(given, prepared, order, paper, problem, fitted, fine, shows, taken)
 
 
@@ -104,6 +108,17 @@ def _prepared(given: Given, deciding: Deciding) -> tuple[list[Prepared], Setting
         varies = tuple(name for name in setting.base_free() if name[0] in PARAMETER_SPREAD)
         setting = replace(setting, experiments=tuple(replace(e, varies=varies) for e in setting.experiments))
     return together[: len(prepared)], setting
+
+
+def _set_up_known(problem: Problem, fitted: Fit, coarsening: float) -> Problem:
+    """The problem with the coarsening that the decision will ask for at least: that of a baseline, or that for the form
+    of the declared laws. What is known of the set-up is not coarsened.
+    """
+    if not problem.declared and not any(e.varies for e in problem.experiments):
+        return problem
+    forces = latent_forces(problem, fitted.parameters, fitted.nuisances)
+    known = max(coarsening, form_coarsening(motion_nats(problem, fitted, forces, FORCE_SHARES[0])))
+    return replace(problem, experiments=tuple(replace(e, coarsening=known) for e in problem.experiments))
 
 
 def as_fitted(problem: Problem) -> Problem:

@@ -24,8 +24,9 @@ from discovery.where import fit_where_it_acts
 from inference.decay import has_decay
 from inference.fit import Fit
 from inference.latent_force import LatentForce
-from inference.posterior import Hypothesis, RoughFit, with_derivatives, with_rest, without_derivatives
+from inference.posterior import Hypothesis, RoughFit, continued, with_derivatives, with_rest, without_derivatives
 from inference.score import Candidate
+from tentacle.solver_result import RESULTS
 
 ROUNDS = 6
 FAR, ROOM = 15.0, 0.5  # nats, or share of what the best rough fit gains, behind which no close fit catches up
@@ -145,6 +146,10 @@ def _fitted(rough: RoughFit, declared: tuple[LatentForce, ...], temperature: flo
     return without_derivatives(fit_where_it_acts(rough, declared, temperature))
 
 
+def _continued(h: Hypothesis) -> Hypothesis:
+    return without_derivatives(continued(h))
+
+
 def _preferred(h: Hypothesis, known: Hypothesis, temperature: float) -> Hypothesis:
     """The one of two fits of a set with the larger evidence; a shape is fitted only where the evidence, coarsened like
     the decision's, asks for it.
@@ -155,9 +160,12 @@ def _preferred(h: Hypothesis, known: Hypothesis, temperature: float) -> Hypothes
 
 
 def _with_rests(tried: Tried) -> Tried:
-    """The hypotheses, those that may count with the rest that they leave."""
+    """The hypotheses, those that may count fitted to an end, and with the rest that they leave."""
     missing = missing_of(list(tried.values()))
     reach = max(max(log_masses(h, missing)) for h in tried.values()) - NEGLIGIBLE_NATS
+    counted = [h for h in tried.values() if max(log_masses(h, missing)) > reach]
+    creeping = [h for h in counted if h.effects and h.fitted.result is RESULTS.MAX_STEPS]
+    tried = _with(tried, side_by_side([partial(_continued, h) for h in creeping]))
     base = tried[frozenset()]
     base = base if base.alone is not None else with_rest(base)
     asked = [h for h in tried.values() if h.effects and h.alone is None and max(log_masses(h, missing)) > reach]

@@ -21,6 +21,10 @@ class Motion:
     theta: Array
     pull: Array
 
+    def of(self, lanes: slice) -> Self:
+        """The same of some of the individuals."""
+        return replace(self, q=self.q[..., lanes], theta=_of(self.theta, lanes), pull=_of(self.pull, lanes))
+
     def stopped(self) -> Self:
         """The same instants of an arm at rest."""
         return replace(self, q=0.0 * self.q, theta=0.0 * self.theta)
@@ -48,6 +52,19 @@ class Appearance:
         none = np.zeros(q.shape[2])
         return Appearance(q, theta, none, none, np.zeros((2, none.size)), none[None])
 
+    def of(self, lanes: slice) -> Self:
+        """What is seen of some of the individuals."""
+        return replace(
+            self,
+            q=self.q[..., lanes],
+            theta=_of(self.theta, lanes),
+            roll=self.roll[lanes],
+            excess=self.excess[lanes],
+            shift=_of(self.shift, lanes),
+            zeros=_of(self.zeros, lanes),
+            motion=self.motion and self.motion.of(lanes),
+        )
+
     def turning(self) -> Turning | None:
         """The arm's directions and their derivatives; None where they are not known."""
         if self.motion is None:
@@ -55,3 +72,8 @@ class Appearance:
         return Turning(
             np.concatenate([self.q[None], self.motion.q]), np.concatenate([self.theta[None], self.motion.theta])
         )
+
+
+def _of(rows: Array, lanes: slice) -> Array:
+    """Rows (..., B) of some of the individuals, or (..., 1), which all share."""
+    return rows if rows.shape[-1] == 1 else rows[..., lanes]

@@ -52,7 +52,10 @@ class Experiment:
     travel: of a base that travels, x, y, rates, accelerations (6, ...) over the pictures' clock (None: it stands).
     differs: fields of its declaration, with their values, in which it is not the first recording of the arm. lacks:
     effects of the model that do not act in this recording. declared: effects that its declaration holds; they act in
-    a complete recording too. device: CUDA device that simulates it, as torch names it (None: the CPU).
+    a complete recording too. coarsening: T by which a decision will coarsen the likelihood, as far as it is known
+    before the search; how much an arm varies between recordings, and what is declared, does not depend on the form of
+    laws, so that it is not coarsened: its variance is T times smaller here. device: CUDA device that simulates it, as
+    torch names it (None: the CPU).
     """
 
     name: str
@@ -74,6 +77,7 @@ class Experiment:
     travel: Callable[[Array], Array] | None = None
     lacks: frozenset[str] = frozenset()
     declared: frozenset[str] = frozenset()
+    coarsening: float = 1.0
     device: str | None = None
 
     def arm(self, first: Arm) -> Arm:
@@ -120,7 +124,7 @@ class Experiment:
         moving = [1.0] * order if self.release is None else [0.01]
         memory = [0.1] * order if self.begins_with_memory else []
         shift, zeros = [SHIFT_PRIOR * length] * 2 * self.sees_shift, self.observation.zero_size.tolist()
-        return np.array([0.1] * order + moving + memory + shift + zeros + self._spreads())
+        return np.array([0.1] * order + moving + memory + shift + zeros + self.spreads().tolist())
 
     def nuisance_limits(self, order: int, length: float) -> Array:
         """Bounds (M,) on the size of each nuisance."""
@@ -132,7 +136,7 @@ class Experiment:
             + memory
             + [SHIFT_LIMIT * length] * 2 * self.sees_shift
             + (ZERO_LIMIT * self.observation.zero_size).tolist()
-            + [SPREAD_REACH * spread for spread in self._spreads()]
+            + [SPREAD_REACH * PARAMETER_SPREAD[effect] for effect, _ in self.varies]
         )
 
     def prior_residuals(self, order: int, length: float, nuisances: Array) -> Array:
@@ -141,7 +145,7 @@ class Experiment:
         shift = self.parts(order, nuisances)[3][: 2 * self.sees_shift] / (SHIFT_PRIOR * length)
         offsets = np.concatenate([shift, zeros])
         higher = nuisances[self.observation.order : order] / HIGHER_PRIOR
-        varied = self.deviations(nuisances) / np.array(self._spreads()).reshape(-1, 1)
+        varied = self.deviations(nuisances) / self.spreads()[:, None]
         if self.release is None:
             rates, seen = nuisances[order : 2 * order], self.shapes_seen[:order]
             shape = nuisances[: seen.size] / (STATE_REACH * seen)[:, None]
@@ -189,8 +193,9 @@ class Experiment:
         """Logarithms (D, B) of this recording's share of each parameter that varies."""
         return nuisances[len(nuisances) - len(self.varies) :]
 
-    def _spreads(self) -> list[float]:
-        return [PARAMETER_SPREAD[effect] for effect, _ in self.varies]
+    def spreads(self) -> Array:
+        """Standard deviations (D,) of the logarithms of what varies."""
+        return np.array([PARAMETER_SPREAD[effect] for effect, _ in self.varies]) / np.sqrt(self.coarsening)
 
     def acting(self, parameters: Array) -> Array:
         """The parameters (R, B) without the effects that do not act in this recording."""

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from affine_model.curvature import Array
-from inference.levenberg_marquardt import Minimum, minimise
+from inference.declared_arm import DECLARED
+from inference.levenberg_marquardt import LADDER, SHORT_LADDER, Minimum, minimise
 from inference.linear_fit import ParameterName
 from inference.trajectory import Problem
 from tentacle.solver_result import RESULTS
@@ -79,6 +80,7 @@ def minimised(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: floa
         (low / scales, high / scales),
         tolerance=tolerance,
         most=most,
+        dampings=SHORT_LADDER if any(table == DECLARED for table, _ in problem.free) else LADDER,
     )
     return lowest.unknowns * scales, lowest
 

@@ -144,7 +144,18 @@ def fit_hypothesis(rough: RoughFit, declared: tuple[LatentForce, ...] = ()) -> H
     leaves all bounds beside the fit, so that no evidence is known.
     """
     problem, nuisances = rough.problem, rough.nuisances
-    forces = latent_forces(problem, problem.parameters, nuisances, rough.effects, declared)
+    return _fit_beside(rough, latent_forces(problem, problem.parameters, nuisances, rough.effects, declared))
+
+
+def continued(h: Hypothesis) -> Hypothesis:
+    """The hypothesis with its fit begun again where it ended, beside the same unknown forces."""
+    problem = replace(h.problem, parameters=h.fitted.parameters, filters=())
+    return _fit_beside(RoughFit(h.effects, problem, h.fitted.nuisances, h.fitted.misfit), h.forces)
+
+
+def _fit_beside(rough: RoughFit, forces: tuple[LatentForce, ...]) -> Hypothesis:
+    """The fit of a problem at the share of these unknown forces that has the largest evidence."""
+    problem, nuisances = rough.problem, rough.nuisances
     filters = lru_cache(KEPT_FILTERS)(partial(filters_at, forces))
     unknowns = np.concatenate([problem.parameters[problem.rows()], *nuisances])
     fitted = linearised_fit(corrected(problem, unknowns), unknowns, 0)
@@ -239,8 +250,8 @@ def _followed_further(h: Hypothesis, effort: Effort) -> Hypothesis:
 
 
 def _followed(h: Hypothesis, plain: Problem, nuisances: tuple[Array, ...], size: float, effort: Effort) -> Hypothesis:
-    """Fit the model alone, with noise `size` times its standard deviation."""
-    louder = tuple(replace(e, noise_gain=size * e.noise_gain) for e in plain.experiments)
+    """Fit the model alone, with noise `size` times its standard deviation, which is coarse enough by itself."""
+    louder = tuple(replace(e, noise_gain=size * e.noise_gain, coarsening=1.0) for e in plain.experiments)
     plain = replace(plain, experiments=louder)
     unknowns, lowest, coarse = minimised_at_step(plain, nuisances, effort)
     alone = replace(linearised_fit(coarse, unknowns, lowest.rounds), result=lowest.result)

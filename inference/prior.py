@@ -1,6 +1,7 @@
-"""The prior of the added effects' parameters.
+"""The prior of the added effects' parameters, of what varies between recordings, and of what is declared.
 
     strength ~ Cauchy(0, |nominal|),       shape ~ uniform between its bounds (in its logarithm where they are positive)
+    log (parameter in a recording / parameter) ~ N(0, spread^2),        declared number ~ N(value, sd^2)
 
 The base parameters' and initial states' priors are those of every hypothesis, and are left out.
 """
@@ -43,7 +44,7 @@ def prior_precision(problem: Problem, fitted: Fit) -> Array:
 
 
 def log_prior(problem: Problem, fitted: Fit) -> float:
-    """Log density of the added effects' parameters, and of the memories that they bring."""
+    """Log density of the added effects' parameters, and, at its mean, of what they bring, varies, or is declared."""
     total = 0.0
     for place, parameter in _added(problem):
         value, (low, high) = float(fitted.values[place]), parameter.bounds
@@ -55,8 +56,10 @@ def log_prior(problem: Problem, fitted: Fit) -> float:
             total -= np.log(value * np.log(high / low))
         else:
             total -= np.log(high - low)
-    memories = sum(problem.arm.order for experiment in problem.experiments if experiment.begins_with_memory)
-    return float(total) - memories * np.log(MEMORY_PRIOR * np.sqrt(2.0 * np.pi))
+    widths = [MEMORY_PRIOR for e in problem.experiments if e.begins_with_memory for _ in range(problem.arm.order)]
+    stated = [n.sd / np.sqrt(problem.coarsening) for n in problem.declared if n.sd is not None]
+    spreads = np.concatenate([widths, stated, *(e.spreads() for e in problem.experiments)])
+    return float(total) - float(np.log(np.sqrt(2.0 * np.pi) * spreads).sum())
 
 
 def laplace_evidence(problem: Problem, fitted: Fit, variance: float) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 from affine_model.arm import Arm, parameter_rows
 from affine_model.curvature import Array
 from affine_model.kernel import BLOCK
-from inference.declared_arm import DECLARED, names_of, with_declared_numbers
+from inference.declared_arm import DECLARED, SeenAs, names_of, runs_of, with_declared_numbers
 from inference.experiment import Experiment, predict, whitened_residuals
 from inference.latent_force import Filter
 from inference.linear_fit import ParameterName
@@ -30,10 +30,12 @@ RAN_AWAY = 1e6  # noise sigmas: every residual of a simulation that diverged
 class Problem:
     """A fit to be made: an arm, recordings, the names of the free parameters, the vector with the fixed ones.
 
-        r = [filter (measured - predicted) / noise, (declared - mean) / sd, priors of the nuisances],   min |r|^2 / 2
+        r = [filter (measured - predicted) / noise, (declared - mean) sqrt(T) / sd, priors of the nuisances],
+        min |r|^2 / 2
 
     declared: the uncertain numbers of the declaration. With them, parameters is (R + D,) with their values at its end,
-    and free may name them ("declared", field). Each has the prior that the declaration states. filters: they whiten
+    and free may name them ("declared", field). Each has the prior that the declaration states, which a decision does
+    not coarsen; T: see Experiment.coarsening. filters: they whiten
     each recording's residuals if unknown forces are allowed for (inference.latent_force; empty: white noise alone).
     defect (T, K) of each recording is added to its residuals (inference.deferred_correction; empty: none).
     """
@@ -52,6 +54,11 @@ class Problem:
         places = {(row.effect, row.parameter.name): row.index for row in parameter_rows()}
         places |= {name: len(places) + k for k, name in enumerate(names_of(self.declared))}
         return np.array([places[name] for name in self.free], dtype=int)
+
+    @property
+    def coarsening(self) -> float:
+        """T by which a decision will coarsen the likelihood, as far as it is known: the same in all recordings."""
+        return max(experiment.coarsening for experiment in self.experiments)
 
     def sizes(self) -> list[int]:
         """Number of nuisances of each recording."""
@@ -94,34 +101,14 @@ class Problem:
         return self._compare(parameters, unknowns)[0]
 
     def _compare(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:
-        """residuals() of whole parameter vectors (R, B) or (R + D, B); declared values that differ go through an arm
-        each.
-        """
+        """residuals() of whole parameter vectors (R, B) or (R + D, B)."""
         used, everything = self._simulated(parameters, unknowns)
         stated = [
-            (unknowns[self.free.index(name)] - number.value) / number.sd
+            (unknowns[self.free.index(name)] - number.value) * np.sqrt(self.coarsening) / number.sd
             for name, number in zip(names_of(self.declared), self.declared, strict=True)
             if number.sd is not None and name in self.free
         ]
         return np.concatenate([used, *(row[None] for row in stated)]), everything
-
-    def _simulated(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:
-        if not self.declared:
-            return self._of_one_arm(parameters, unknowns)
-        laws, values = np.split(parameters, [-len(self.declared)])
-        kinds, kind = np.unique(values, axis=1, return_inverse=True)
-        used, everything = None, []
-        for k in range(kinds.shape[1]):
-            lanes = np.flatnonzero(kind.ravel() == k)
-            some, whole = self.at(kinds[:, k])._of_one_arm(laws[:, lanes], unknowns[:, lanes])
-            if used is None:
-                used = np.empty((some.shape[0], unknowns.shape[1]))
-                everything = [np.empty((*rows.shape[:2], unknowns.shape[1])) for rows in whole]
-            used[:, lanes] = some
-            for target, rows in zip(everything, whole, strict=True):
-                target[:, :, lanes] = rows
-        assert used is not None
-        return used, everything
 
     def known(self, parameters: Array) -> tuple[Problem, Array]:
         """The problem with its declared numbers known, out of a whole parameter vector, and the laws' vector (R,)."""
@@ -135,7 +122,7 @@ class Problem:
         arm, experiments = with_declared_numbers(self.arm, self.experiments, self.declared, values)
         return replace(self, arm=arm, experiments=experiments, declared=())
 
-    def _of_one_arm(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:
+    def _simulated(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:
         steps = max(experiment.duration for experiment in self.experiments) / self.step
         together = BLOCK * max(1, int(MOST_STATES / (steps * BLOCK)))
         starts = range(0, unknowns.shape[1], together)
@@ -147,18 +134,13 @@ class Problem:
 
     def _of_some(self, parameters: Array, unknowns: Array) -> tuple[Array, list[Array]]:
         used, everything, place = [], [], len(self.free)
+        laws, values = np.split(parameters, [parameters.shape[0] - len(self.declared)])
         for number, (experiment, size) in enumerate(zip(self.experiments, self.sizes(), strict=True)):
             nuisances = unknowns[place : place + size]
             place += size
-            acting = experiment.acting(parameters)
-            kinds, lanes = _distinct(np.concatenate([acting, nuisances]))
-            prediction = predict(self.arm, experiment, acting[:, kinds], nuisances[:, kinds], self.step)
-            error = whitened_residuals(experiment, prediction)
-            if self.defect:
-                error += self.defect[number][:, :, None]
-            ran_away = np.isfinite(prediction.batch.diverged)
-            if ran_away.any():
-                error[:, :, ran_away] = RAN_AWAY
+            acting = experiment.acting(laws)
+            kinds, lanes = _distinct(np.concatenate([acting, self._stated_in(experiment, values), nuisances]))
+            error = self._errors(number, acting[:, kinds], values[:, kinds], nuisances[:, kinds])
             of_used = (
                 self.filters[number].whiten(error) if self.filters else error[experiment.used].reshape(-1, kinds.size)
             )
@@ -167,6 +149,41 @@ class Problem:
             used.append(of_used[:, lanes] if shared else of_used)
             used.append(experiment.prior_residuals(self.arm.order, self.arm.specimen.length, nuisances))
         return np.concatenate(used), everything
+
+    def _stated_in(self, experiment: Experiment, values: Array) -> Array:
+        """The values (D, B) of the uncertain numbers that may matter in a recording."""
+        names = ("", experiment.name, self.experiments[0].name)
+        return values[[one.only_in in names for one in self.declared]]
+
+    def _errors(self, number: int, parameters: Array, values: Array, nuisances: Array) -> Array:
+        """Residuals (T, K, B) of one recording, not whitened; declared numbers (D, B) that make another arm go through
+        a run each.
+        """
+        if not self.declared:
+            everyone = np.arange(nuisances.shape[1])
+            runs = [[SeenAs(self.arm, self.experiments[number], everyone)]]
+        else:
+            runs = runs_of(self.arm, self.experiments, number, self.declared, values)
+        defect = self.defect[number][:, :, None] if self.defect else 0.0
+        found: list[Array] = []
+        for ways in runs:
+            lanes = np.concatenate([one.lanes for one in ways])
+            seen = predict(ways[0].arm, ways[0].experiment, parameters[:, lanes], nuisances[:, lanes], self.step)
+            ends = np.cumsum([0, *(one.lanes.size for one in ways)])
+            rows = [
+                whitened_residuals(one.experiment, seen.of(slice(*ends[k : k + 2])) if len(ways) > 1 else seen)
+                for k, one in enumerate(ways)
+            ]
+            error = rows[0] if len(rows) == 1 else np.concatenate(rows, axis=2)
+            error += defect
+            ran_away = np.isfinite(seen.batch.diverged)
+            if ran_away.any():
+                error[:, :, ran_away] = RAN_AWAY
+            found.append(error)
+        if len(found) == 1 and len(runs[0]) == 1:
+            return found[0]
+        order = np.argsort(np.concatenate([one.lanes for ways in runs for one in ways]))
+        return np.concatenate(found, axis=2)[:, :, order]
 
     def jacobian(self, unknowns: Array) -> Array:
         """d residuals / d unknowns (N, P) by central differences, one batch; one-sided where a bound is in the way."""

@@ -11,6 +11,7 @@ knots; smoothing splines of the same degree, their weight by restricted likeliho
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -87,12 +88,19 @@ class Travel:
     last: float
 
     def __call__(self, t: ArrayLike) -> Array:
-        """x, y, rates, accelerations at t."""
-        t = np.asarray(t, dtype=float)
-        inside = np.clip(t, self.first, self.last)
-        table = np.stack([self.along_x(inside), self.along_y(inside)], axis=1).reshape(6, *t.shape)
-        table[2:] *= (t >= self.first) & (t <= self.last)
-        return table
+        """x, y, rates, accelerations at t, not to be written to: a fit asks for the same times again and again."""
+        times = np.asarray(t, dtype=float)
+        return _travelled(self, times.tobytes()).reshape(6, *times.shape)
+
+
+@lru_cache(maxsize=8)
+def _travelled(travel: Travel, times: bytes) -> Array:
+    t = np.frombuffer(times)
+    inside = np.clip(t, travel.first, travel.last)
+    table = np.stack([travel.along_x(inside), travel.along_y(inside)], axis=1).reshape(6, t.size)
+    table[2:] *= (t >= travel.first) & (t <= travel.last)
+    table.flags.writeable = False
+    return table
 
 
 def fit_travel(travel: BaseTravel) -> Travel:

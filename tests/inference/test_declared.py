@@ -11,6 +11,7 @@ from inference.declared_words import declared_words
 from inference.estimates import declared_deviations
 from inference.fit import Fit
 from inference.identify import identify
+from inference.initial_state import initial_nuisances
 from inference.prepare import prepare
 from inference.trajectory import Problem
 from tentacle.declared import Uncertain, with_values
@@ -66,6 +67,65 @@ def test_where_the_likelihood_is_coarsened_the_declaration_keeps_its_weight(reco
     assert np.isclose(declared_deviations(problem, fitted, 18.0)[LENGTH], told**-0.5, rtol=1e-6)
     assert np.isclose(declared_deviations(problem, fitted, 1e12)[LENGTH], 0.005, rtol=1e-3)  # T = 1e12 leaves 1e-5
     assert declared_words(problem, fitted, 1e12)[0].endswith("say nothing about it.")
+
+
+def test_before_a_decision_that_coarsens_the_declaration_weighs_as_much_more(recorded) -> None:
+    """p(y)^(1/T) p(d) = [p(y) p(d)^T]^(1/T): a Gaussian to the power of T is one of sd / sqrt(T)."""
+    number = Uncertain(LENGTH, 0.136, 0.005, 1e-6)
+    setting = Setting(
+        with_values(recorded(seconds=6.0).declaration, {LENGTH: 0.136}),
+        (prepare(declared_as(recorded(seconds=6.0), number), hold_out=False).experiment,),
+        2,
+    )
+    varies = (("elasticity", "E"),)
+    problem = setting.problem(2, setting.start())
+    (experiment,) = problem.experiments
+    coarse = replace(experiment, varies=varies, coarsening=9.0)
+    problem = replace(problem, declared=(number,), parameters=np.append(problem.parameters, 0.136))
+    problem = replace(problem, free=(*problem.free, ("declared", LENGTH)))
+    unknowns = np.concatenate([problem.parameters[problem.rows()], initial_nuisances(coarse, 2)])
+    moved = unknowns.copy()
+    moved[len(problem.free) - 1] += 0.002  # .4 declared deviations
+    moved[-1] += 0.02  # 2 deviations of a stiffness between recordings
+    told = []
+    for one in (replace(coarse, coarsening=1.0), coarse):
+        rows = replace(problem, experiments=(one,)).residuals(np.stack([unknowns, moved], axis=1))[0]
+        told.append(rows[[-1, -2], 1] - rows[[-1, -2], 0])
+    np.testing.assert_allclose(told[0], [0.4, 2.0], rtol=1e-9)
+    np.testing.assert_allclose(told[1], [1.2, 6.0], rtol=1e-9)
+
+
+def test_individuals_that_are_declared_differently_are_simulated_together_as_each_alone(recorded) -> None:
+    """Two recordings of one arm: shared numbers, one of the second's own, and markers that need no run of their own."""
+    first, second = (replace(as_markers(recorded(seconds=s)), name=f"at_{s:g}_s") for s in (4.0, 5.0))
+    numbers = (
+        Uncertain(LENGTH, SPECIMEN.length, 0.002, 1e-6),
+        Uncertain("gravity.angle_rad", 0.0, 0.02, only_in=second.name),
+        Uncertain(f"markers.{second.markers.names[0]}.s", float(second.markers.s[0]), 0.01, only_in=second.name),
+    )
+    experiments = tuple(prepare(one, hold_out=False).experiment for one in (first, second))
+    setting = Setting(first.declaration, experiments, 2)
+    problem = setting.problem(2, setting.start())
+    means = [number.value for number in numbers]
+    problem = replace(
+        problem,
+        declared=numbers,
+        free=(*problem.free, *(("declared", number.name) for number in numbers)),
+        parameters=np.append(problem.parameters, means),
+    )
+    begin = np.concatenate([problem.parameters[problem.rows()], *(initial_nuisances(e, 2) for e in experiments)])
+    moved = begin[:, None] + np.diag(1e-3 * problem.scales())  # every unknown by itself
+    together, everything = problem.residuals(moved)
+    alone = [problem.residuals(column[:, None]) for column in moved.T]
+    # One individual or many in a batch: the kernel's sums differ by rounding.
+    np.testing.assert_allclose(together, np.concatenate([one[0] for one in alone], axis=1), rtol=1e-9, atol=1e-7)
+    for k, rows in enumerate(everything):
+        np.testing.assert_allclose(rows, np.concatenate([one[1][k] for one in alone], axis=2), rtol=1e-9, atol=1e-7)
+    own = len(problem.free) - 2  # gravity in the second recording moves nothing in the first
+    centre = problem.residuals(begin[:, None])[1]
+    np.testing.assert_array_equal(everything[0][:, :, own], centre[0][:, :, 0])
+    assert np.abs(everything[1][:, :, own] - centre[1][:, :, 0]).max() > 1e-4
+    assert np.abs(everything[1][:, :, own + 1] - centre[1][:, :, 0]).max() > 1e-4
 
 
 def test_a_range_that_excludes_the_truth_is_named(recorded) -> None:
