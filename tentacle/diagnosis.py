@@ -179,6 +179,12 @@ class Diagnosis:
         return left or self.missing_effects
 
     @property
+    def alternatives(self) -> tuple[tuple[str, ...], ...]:
+        """What may act beside the certain effects: of each credible set the effects in doubt, the likeliest first."""
+        doubted = [tuple(name for name in one.effects if name in self.in_doubt) for one in self.sets]
+        return tuple(dict.fromkeys(filter(None, doubted))) or tuple((name,) for name in self.in_doubt)
+
+    @property
     def first_law(self) -> ProposedLaw | None:
         """After an unknown the first of the laws that were found for the missing force; None where there is none."""
         return self.missing.laws[0] if self.verdict == "unknown" and self.missing.laws else None
@@ -213,7 +219,7 @@ class Diagnosis:
             error += ", on held-out data." if self.held_out else ", on the data that were fitted."
         names, finer = " + ".join(self.missing_effects), FINER_SHAPE in self.effects
         sure = [effect for effect in self.missing_effects if effect not in self.in_doubt]
-        doubt = " / ".join(self.in_doubt)
+        doubt = " / ".join(" + ".join(names) for names in self.alternatives)
         beside = f"{' + '.join(sure)} and " if sure else ""
         also = " It also needs more than two curvature coordinates." if finer else ""
         only = (

@@ -281,9 +281,19 @@ def test_more_coordinates_are_no_missing_effect(case):
 
 
 def test_a_group_says_what_is_certain_beside_what_is_open(case):
-    group = replace(case.diagnosis, verdict="group", effects=("current", "skin_drag", "wall"), certain=("current",))
+    group = replace(
+        case.diagnosis, verdict="group", effects=("current", "skin_drag", "wall"), certain=("current",), sets=()
+    )
     assert "lacks current and one of skin_drag / wall; these data cannot tell which." in group.headline
     assert title_of(group) == "Missing: current, beside skin drag or wall"
     none_certain = replace(group, certain=())
     assert "lacks one of current / skin_drag / wall;" in none_certain.headline
     assert title_of(none_certain) == "Missing: current, skin drag or wall"
+
+
+def test_an_effect_that_acts_beside_another_alone_is_no_alternative_of_its_own(case):
+    likely = [(("servo_lag", "amplitude_damping"), 0.6), (("servo_lag",), 0.2), (("time_offset",), 0.2)]
+    sets = tuple(CredibleSet(names, mass) for names, mass in likely)
+    effects = ("servo_lag", "amplitude_damping", "time_offset")
+    group = replace(case.diagnosis, verdict="group", effects=effects, certain=(), sets=sets)
+    assert "lacks one of servo_lag + amplitude_damping / servo_lag / time_offset; these data" in group.headline
