@@ -2,9 +2,10 @@
 
 interval = value +- 1.96 sqrt(inflation covariance_kk), cut at the physical bounds
 posterior = N(values, inflation covariance)
-declared: covariance^-1 -> (covariance^-1 - prior^-1) / inflation + prior^-1
+declared: covariance^-1 -> (covariance^-1 - T prior^-1) / inflation + prior^-1
 
-Declared numbers have a prior. It does not depend on the data's errors, so that it is not inflated.
+Declared numbers have a prior. It does not depend on the data's errors, so that it is not inflated. T: the weight that
+it has in the fit already (inference.experiment).
 """
 
 from __future__ import annotations
@@ -52,8 +53,9 @@ def declared_deviations(problem: Problem, fitted: Fit, inflation: float = 1.0) -
     places, numbers = list(fitted_at), list(fitted_at.values())
     unit = np.array([number.spread for number in numbers])
     prior = np.diag([0.0 if number.sd is None else 1.0 for number in numbers])
+    weight = problem.coarsening
     information = np.linalg.pinv(fitted.covariance[np.ix_(places, places)] / np.outer(unit, unit), hermitian=True)
-    coarse = np.linalg.pinv((information - prior) / inflation + prior, hermitian=True)
+    coarse = np.linalg.pinv((information - weight * prior) / inflation + prior, hermitian=True)
     deviations = unit * np.sqrt(np.maximum(np.diag(coarse), 0.0))
     return {number.name: float(sd) for number, sd in zip(numbers, deviations, strict=True)}
 

@@ -9,7 +9,7 @@ import numpy as np
 from inference.base_fit import Setting, fit_base
 from inference.declared_words import declared_words
 from inference.estimates import declared_deviations
-from inference.fit import Fit
+from inference.fit import Fit, linearised_fit
 from inference.identify import identify
 from inference.initial_state import initial_nuisances
 from inference.prepare import prepare
@@ -67,6 +67,10 @@ def test_where_the_likelihood_is_coarsened_the_declaration_keeps_its_weight(reco
     assert np.isclose(declared_deviations(problem, fitted, 18.0)[LENGTH], told**-0.5, rtol=1e-6)
     assert np.isclose(declared_deviations(problem, fitted, 1e12)[LENGTH], 0.005, rtol=1e-3)  # T = 1e12 leaves 1e-5
     assert declared_words(problem, fitted, 1e12)[0].endswith("say nothing about it.")
+    # In a fit that the decision will coarsen, the declaration has T times its weight, which is taken off again.
+    coarse = replace(problem, experiments=tuple(replace(e, coarsening=18.0) for e in problem.experiments))
+    heavier = linearised_fit(coarse, np.concatenate([fitted.values, *fitted.nuisances]), 0)
+    assert np.isclose(declared_deviations(coarse, heavier, 18.0)[LENGTH], told**-0.5, rtol=1e-6)
 
 
 def test_before_a_decision_that_coarsens_the_declaration_weighs_as_much_more(recorded) -> None:
