@@ -42,17 +42,12 @@ def with_declared_numbers(
     arm: Arm, experiments: tuple[Experiment, ...], numbers: tuple[Uncertain, ...], values: Array
 ) -> tuple[Arm, tuple[Experiment, ...]]:
     """The first recording's arm, and the experiments, with the uncertain numbers at these values (D,)."""
-    stated = list(zip(numbers, values.tolist(), strict=True))
-    shared = {number.field: value for number, value in stated if not number.only_in}
-    of_first = {number.field: value for number, value in stated if number.only_in in ("", experiments[0].name)}
-    found = arm_at(arm, tuple(of_first.items()))
+    found = arm_at(arm, tuple(_stated(numbers, values, experiments[0].name).items()))
     moved = []
     for experiment in experiments:
-        alone = {number.field: value for number, value in stated if number.only_in == experiment.name}
-        means = {number.field: number.value for number in numbers if number.only_in in ("", experiment.name)}
-        own = {**dict(experiment.differs), **alone}
+        own = _own(experiment, numbers, values)
         changed = replace(experiment, differs=tuple(own.items()))
-        moved.append(_experiment_at(changed, changed.arm(found), {**shared, **own}, means))
+        moved.append(_experiment_at(changed, changed.arm(found), numbers, {**_stated(numbers, values), **own}))
     return found, tuple(moved)
 
 
@@ -62,37 +57,40 @@ def runs_of(
     """What is simulated of one recording for individuals whose uncertain numbers have the values (D, B): for each arm
     the ways in which it is seen. A run serves all of these.
     """
-    own = experiments[place]
-    here = [n.only_in in ("", own.name, experiments[0].name) for n in numbers]
-    kinds, first, kind = np.unique(values[here], axis=1, return_index=True, return_inverse=True)
+    experiment, first = experiments[place], experiments[0].name
+    here = [number.only_in in ("", experiment.name, first) for number in numbers]
+    kinds, whose, kind = np.unique(values[here], axis=1, return_index=True, return_inverse=True)
     runs: dict[int, list[SeenAs]] = {}
     for k in range(kinds.shape[1]):
-        there, seen = _in_recording(arm, (experiments[0].name, own), numbers, values[:, first[k]])
+        at = values[:, whose[k]]
+        own = _own(experiment, numbers, at)
+        of_arm = {name: v for name, v in {**_stated(numbers, at, first), **own}.items() if _is_of_arm(name)}
+        there = arm_at(arm, tuple(sorted(of_arm.items())))  # the same object where its own numbers are the same
+        known = replace(experiment, differs=())
+        seen = _experiment_at(known, there, numbers, {**_stated(numbers, at), **own})
         runs.setdefault(id(there), []).append(SeenAs(there, seen, np.flatnonzero(kind.ravel() == k)))
     return list(runs.values())
 
 
-def _in_recording(
-    arm: Arm, named: tuple[str, Experiment], numbers: tuple[Uncertain, ...], values: Array
-) -> tuple[Arm, Experiment]:
-    """The arm of a recording, the same object where its own numbers are the same, and the experiment that sees it.
-    named: the first recording's name, and the experiment.
-    """
-    first, experiment = named
-    stated = list(zip(numbers, values.tolist(), strict=True))
-    of_first = {number.field: value for number, value in stated if number.only_in in ("", first)}
-    shared = {number.field: value for number, value in stated if not number.only_in}
-    alone = {number.field: value for number, value in stated if number.only_in == experiment.name}
-    means = {number.field: number.value for number in numbers if number.only_in in ("", experiment.name)}
-    own = {**dict(experiment.differs), **alone}
-    of_arm = {name: v for name, v in {**of_first, **own}.items() if name.partition(".")[0] in ARM_TABLES}
-    there = arm_at(arm, tuple(sorted(of_arm.items())))
-    return there, _experiment_at(replace(experiment, differs=()), there, {**shared, **own}, means)
+def _stated(numbers: tuple[Uncertain, ...], values: Array, only: str = "") -> dict[str, float]:
+    """The values that all recordings share, and those of one recording alone."""
+    return {n.field: v for n, v in zip(numbers, values.tolist(), strict=True) if n.only_in in ("", only)}
+
+
+def _own(experiment: Experiment, numbers: tuple[Uncertain, ...], values: Array) -> dict[str, float]:
+    """The values in which a recording is not as the first one declares it."""
+    alone = {n.field: v for n, v in zip(numbers, values.tolist(), strict=True) if n.only_in == experiment.name}
+    return {**dict(experiment.differs), **alone}
+
+
+def _is_of_arm(field: str) -> bool:
+    return field.partition(".")[0] in ARM_TABLES
 
 
 def _experiment_at(
-    experiment: Experiment, arm: Arm, values: Mapping[str, float], means: Mapping[str, float]
+    experiment: Experiment, arm: Arm, numbers: tuple[Uncertain, ...], values: Mapping[str, float]
 ) -> Experiment:
     """The experiment with these declared values instead of their means."""
+    means = {n.field: n.value for n in numbers if n.only_in in ("", experiment.name)}
     scale = values.get(SCALE, 1.0) / means.get(SCALE, 1.0)
     return replace(experiment, observation=experiment.observation.declared_as(arm.specimen.length, scale, values))
