@@ -12,7 +12,7 @@ import numpy as np
 
 from affine_model.curvature import Array
 from inference.declared_arm import DECLARED
-from inference.levenberg_marquardt import LADDER, SHORT_LADDER, Minimum, minimise
+from inference.levenberg_marquardt import LADDER, SHORT_LADDER, Minimum, Rounds, minimise
 from inference.linear_fit import ParameterName
 from inference.trajectory import Problem
 from tentacle.solver_result import RESULTS
@@ -79,8 +79,7 @@ def minimised(problem: Problem, nuisances: tuple[Array, ...], *, tolerance: floa
         start / scales,
         (low / scales, high / scales),
         tolerance=tolerance,
-        most=most,
-        dampings=SHORT_LADDER if any(table == DECLARED for table, _ in problem.free) else LADDER,
+        rounds=Rounds(most, SHORT_LADDER if any(table == DECLARED for table, _ in problem.free) else LADDER),
     )
     return lowest.unknowns * scales, lowest
 

@@ -9,7 +9,7 @@ Source: Marquardt 1963; active bounds as in Bertsekas 1982 (projected Newton).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -33,6 +33,16 @@ class Minimum:
     cost: float
 
 
+@dataclass(frozen=True)
+class Rounds:
+    """How many rounds at most, and the dampings (D,) that each tries at once, a geometric sequence; if all are refused,
+    its next D members.
+    """
+
+    most: int
+    dampings: Array = field(default_factory=lambda: LADDER)
+
+
 def minimise(
     residuals: Callable[[Array], Array],
     jacobian: Callable[[Array, Array | None], tuple[Array, Array]],
@@ -40,22 +50,21 @@ def minimise(
     bounds: tuple[Array, Array],
     *,
     tolerance: float,
-    most: int,
-    dampings: Array = LADDER,
+    rounds: Rounds,
 ) -> Minimum:
     """Minimise 1/2 |r(x)|^2 over low <= x <= high.
 
     residuals maps (P, B) to (N, B). jacobian takes x (P,) and the residuals there (N,), if they are known, to these
     residuals and their derivatives (N, P). x is scaled so that its natural steps are about 1. It converges when a round
-    lowers the sum by less than `tolerance` of itself; after `most` rounds it ends with RESULTS.MAX_STEPS. dampings (D,)
-    are tried at once, in a geometric sequence; if all are refused, its next D members.
+    lowers the sum by less than `tolerance` of itself; after `rounds.most` rounds it ends with RESULTS.MAX_STEPS.
     """
+    dampings = rounds.dampings
     beyond = dampings[-1] * dampings[1] / dampings[0] ** 2
     low, high = bounds
     x, damping = np.clip(start, low, high), 1e-3
     value, slope = jacobian(x, None)
     cost = 0.5 * float(value @ value)
-    for round_number in range(most):
+    for round_number in range(rounds.most):
         gradient, curvature = slope.T @ value, slope.T @ slope
         # A variable on its bound that wants to leave the box stays where it is in this round.
         free = ~(((x <= low) & (gradient > 0.0)) | ((x >= high) & (gradient < 0.0)))
@@ -79,7 +88,7 @@ def minimise(
         if gained <= tolerance * cost:
             return Minimum(x, round_number + 1, _ending(curvature, free), cost)
         value, slope = jacobian(x, values[:, best])
-    return Minimum(x, most, RESULTS.MAX_STEPS, cost)
+    return Minimum(x, rounds.most, RESULTS.MAX_STEPS, cost)
 
 
 def _ending(curvature: Array, free: np.ndarray) -> RESULTS:

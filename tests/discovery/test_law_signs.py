@@ -72,7 +72,7 @@ def test_words_tell_the_way_of_a_force_of_either_sign(name, pulls, pushes):
 
 def test_the_prior_of_a_strength_has_the_size_of_its_nominal_value_whatever_its_sign():
     law = replace(FORMS["tip_push"].law, name="law_push")
-    problem = cast(Problem, SimpleNamespace(free=(("law_push", "a"), ("law_push", "b")), experiments=()))
+    problem = cast(Problem, SimpleNamespace(free=(("law_push", "a"), ("law_push", "b")), experiments=(), declared=()))
     problem.arm = ARM  # type: ignore[misc]
     fitted = cast(Fit, SimpleNamespace(values=np.array([-0.3, 0.2])))
     densities = []

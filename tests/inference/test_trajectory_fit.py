@@ -15,7 +15,7 @@ from affine_model.simulate import Start, Timing, simulate
 from inference.estimates import interval, joint_posterior
 from inference.experiment import Experiment, predict
 from inference.fit import fit, unfitted
-from inference.levenberg_marquardt import minimise
+from inference.levenberg_marquardt import Rounds, minimise
 from inference.measured_shapes import Tracker, fit_shapes, from_track
 from inference.observation import POSE, ShapeObservation
 from inference.sufficient_step import sufficient_step
@@ -146,18 +146,26 @@ def test_minimise_stops_on_a_bound_and_solves_rosenbrock():
         lambda x: np.stack([10 * (x[1] - x[0] ** 2), 1 - x[0]]),
         lambda x, _: (np.array([10 * (x[1] - x[0] ** 2), 1 - x[0]]), np.array([[-20 * x[0], 10.0], [-1.0, 0.0]])),
     )
-    free = minimise(*rosenbrock, np.array([-1.2, 1.0]), (np.full(2, -9.0), np.full(2, 9.0)), tolerance=1e-12, most=200)
+    free = minimise(
+        *rosenbrock, np.array([-1.2, 1.0]), (np.full(2, -9.0), np.full(2, 9.0)), tolerance=1e-12, rounds=Rounds(200)
+    )
     assert np.allclose(free.unknowns, 1.0, atol=1e-6)
     assert free.result is RESULTS.CONVERGED
     bound = minimise(
-        *rosenbrock, np.array([0.4, 0.2]), (np.full(2, -9.0), np.array([9.0, 0.25])), tolerance=1e-12, most=200
+        *rosenbrock,
+        np.array([0.4, 0.2]),
+        (np.full(2, -9.0), np.array([9.0, 0.25])),
+        tolerance=1e-12,
+        rounds=Rounds(200),
     )
     # With x2 held at .25 the minimum lies where d/dx1 of the sum vanishes: 200 x1^3 - 49 x1 - 1 = 0, the larger root.
     root = max(np.roots([200.0, 0.0, -49.0, -1.0]).real)
     assert bound.unknowns[1] == 0.25
     assert bound.result is RESULTS.AT_BOUND
     assert bound.unknowns[0] == pytest.approx(root, abs=1e-4)
-    short = minimise(*rosenbrock, np.array([-1.2, 1.0]), (np.full(2, -9.0), np.full(2, 9.0)), tolerance=1e-12, most=2)
+    short = minimise(
+        *rosenbrock, np.array([-1.2, 1.0]), (np.full(2, -9.0), np.full(2, 9.0)), tolerance=1e-12, rounds=Rounds(2)
+    )
     assert short.result is RESULTS.MAX_STEPS
     assert not short.result.converged
 
@@ -167,7 +175,7 @@ def test_minimise_says_where_the_data_do_not_determine_an_unknown():
     found = minimise(
         lambda x: np.stack([x[0] + x[1] - 1.0, 2.0 * (x[0] + x[1]) - 2.1]),
         lambda x, _: (np.array([x[0] + x[1] - 1.0, 2.0 * (x[0] + x[1]) - 2.1]), np.array([[1.0, 1.0], [2.0, 2.0]])),
-        np.zeros(2), (np.full(2, -9.0), np.full(2, 9.0)), tolerance=1e-12, most=50,
+        np.zeros(2), (np.full(2, -9.0), np.full(2, 9.0)), tolerance=1e-12, rounds=Rounds(50),
     )  # fmt: skip
     assert found.unknowns.sum() == pytest.approx(1.04, abs=1e-6)
     assert found.result is RESULTS.SINGULAR
