@@ -58,8 +58,8 @@ def runs_of(
     the ways in which it is seen. A run serves all of these.
     """
     experiment, first = experiments[place], experiments[0].name
-    here = [number.only_in in ("", experiment.name, first) for number in numbers]
-    kinds, whose, kind = np.unique(values[here], axis=1, return_index=True, return_inverse=True)
+    here = values[that_matter_in(experiment, first, numbers)]
+    kinds, whose, kind = np.unique(here, axis=1, return_index=True, return_inverse=True)
     runs: dict[int, list[SeenAs]] = {}
     for k in range(kinds.shape[1]):
         at = values[:, whose[k]]
@@ -70,6 +70,11 @@ def runs_of(
         seen = _experiment_at(known, there, numbers, {**_stated(numbers, at), **own})
         runs.setdefault(id(there), []).append(SeenAs(there, seen, np.flatnonzero(kind.ravel() == k)))
     return list(runs.values())
+
+
+def that_matter_in(experiment: Experiment, first: str, numbers: tuple[Uncertain, ...]) -> list[bool]:
+    """Of each number whether it may matter in a recording; first: the first recording's name."""
+    return [number.only_in in ("", experiment.name, first) for number in numbers]
 
 
 def _stated(numbers: tuple[Uncertain, ...], values: Array, only: str = "") -> dict[str, float]:

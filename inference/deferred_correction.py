@@ -69,13 +69,15 @@ def minimised_at_step(problem: Problem, nuisances: tuple[Array, ...], effort: Ef
     """
     here = np.concatenate([problem.parameters[problem.rows()], *nuisances])
     coarse, passes = corrected(problem, here), 0
+    cost = _cost(coarse, here)
     while True:
         unknowns, lowest = minimised(coarse, nuisances, tolerance=effort.tolerance, most=effort.rounds)
         there = replace(problem, parameters=split(problem, unknowns)[0])
         before, coarse = coarse, corrected(there, unknowns)
-        if _cost(coarse, unknowns) > _cost(before, here) + SETTLED:
+        reached = _cost(coarse, unknowns)
+        if reached > cost + SETTLED:
             return *minimised(problem, nuisances, tolerance=effort.tolerance, most=effort.rounds), problem
-        problem, nuisances, here = there, split(problem, unknowns)[1], unknowns
+        problem, nuisances, cost = there, split(problem, unknowns)[1], reached
         passes += 1
         if _change(before, coarse) < SETTLED or passes == effort.passes:
             return unknowns, lowest, coarse

@@ -17,7 +17,7 @@ from affine_model.curvature import Array
 from tentacle.solver_result import RESULTS
 
 LADDER = 10.0 ** np.arange(-3.0, 5.0)  # dampings tried, times the current one
-SHORT_LADDER = 10.0 ** np.array([-2.0, 0.0, 2.0])  # the same where each costs a run of its own
+SHORT_LADDER = 10.0 ** np.array([-2.0, 0.0, 2.0])  # the same where each costs a run of its own; chosen, for speed
 SMALLEST, LARGEST = 1e-9, 1e9
 HELD_ROUNDS = 4  # of holding unknowns at their bounds in one step
 FLAT = 1e-14  # reciprocal condition number below which rounding decides the step: about 50 units of double precision

@@ -14,7 +14,7 @@ import numpy as np
 from affine_model.arm import Arm, parameter_rows
 from affine_model.curvature import Array
 from affine_model.kernel import BLOCK
-from inference.declared_arm import DECLARED, SeenAs, names_of, runs_of, with_declared_numbers
+from inference.declared_arm import DECLARED, SeenAs, names_of, runs_of, that_matter_in, with_declared_numbers
 from inference.experiment import Experiment, predict, whitened_residuals
 from inference.latent_force import Filter
 from inference.linear_fit import ParameterName
@@ -139,7 +139,8 @@ class Problem:
             nuisances = unknowns[place : place + size]
             place += size
             acting = experiment.acting(laws)
-            kinds, lanes = _distinct(np.concatenate([acting, self._stated_in(experiment, values), nuisances]))
+            stated = values[that_matter_in(experiment, self.experiments[0].name, self.declared)]
+            kinds, lanes = _distinct(np.concatenate([acting, stated, nuisances]))
             error = self._errors(number, acting[:, kinds], values[:, kinds], nuisances[:, kinds])
             of_used = (
                 self.filters[number].whiten(error) if self.filters else error[experiment.used].reshape(-1, kinds.size)
@@ -150,11 +151,6 @@ class Problem:
             used.append(experiment.prior_residuals(self.arm.order, self.arm.specimen.length, nuisances))
         return np.concatenate(used), everything
 
-    def _stated_in(self, experiment: Experiment, values: Array) -> Array:
-        """The values (D, B) of the uncertain numbers that may matter in a recording."""
-        names = ("", experiment.name, self.experiments[0].name)
-        return values[[one.only_in in names for one in self.declared]]
-
     def _errors(self, number: int, parameters: Array, values: Array, nuisances: Array) -> Array:
         """Residuals (T, K, B) of one recording, not whitened; declared numbers (D, B) that make another arm go through
         a run each.
@@ -164,7 +160,6 @@ class Problem:
             runs = [[SeenAs(self.arm, self.experiments[number], everyone)]]
         else:
             runs = runs_of(self.arm, self.experiments, number, self.declared, values)
-        defect = self.defect[number][:, :, None] if self.defect else 0.0
         found: list[Array] = []
         for ways in runs:
             lanes = np.concatenate([one.lanes for one in ways])
@@ -175,7 +170,8 @@ class Problem:
                 for k, one in enumerate(ways)
             ]
             error = rows[0] if len(rows) == 1 else np.concatenate(rows, axis=2)
-            error += defect
+            if self.defect:
+                error += self.defect[number][:, :, None]
             ran_away = np.isfinite(seen.batch.diverged)
             if ran_away.any():
                 error[:, :, ran_away] = RAN_AWAY

@@ -56,11 +56,11 @@ def bare_problem(design: Design, root: Array | None = None) -> tuple[Problem, Ar
     """
     model = design.model()
     arm = arm_of(replace(model, order=SIZED_ORDER))
-    base = tuple((effect, name) for effect, values in model.parameters.items() for name in values)
+    own = tuple((effect, name) for effect, values in model.parameters.items() for name in values)
     parameters = declared_parameters(model.specimen, model.fluid)
-    for effect, name in base:
+    for effect, name in own:
         parameters[parameter_index(effect, name)] = model.value(effect, name)
-    free = () if design.baseline else base
+    free = () if design.baseline else own
     t = np.arange(0.0, design.duration, 1.0 / SIZED_AT)
     base = design.waveform()
     theta, release = base(t)[0], design.release_t
