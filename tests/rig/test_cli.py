@@ -228,12 +228,19 @@ def listening(of: Callable[[str], bool]) -> set[str]:
     return found
 
 
+def two_free_ports() -> tuple[int, int]:
+    """Two ports that differ: the first is held while the second is drawn."""
+    with socket.socket() as first:
+        first.bind(("127.0.0.1", 0))
+        return first.getsockname()[1], free_port()
+
+
 @pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="no /proc/net here")
 def test_nothing_listens_beyond_this_machine(bench: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert listening(lambda words: str(bench) in words) == set()  # the emulator opens no socket at all
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    port, page = free_port(), free_port()
+    port, page = two_free_ports()
     shown = start_viewer(port, page)
     assert shown is not None
     try:
@@ -250,7 +257,7 @@ def test_nothing_listens_beyond_this_machine(bench: Path, monkeypatch: pytest.Mo
 def test_the_live_viewer_stays_after_a_complete_run_alone(outcome: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    port, page, started = free_port(), free_port(), []
+    (port, page), started = two_free_ports(), []
 
     def start(port: int) -> subprocess.Popen[bytes] | None:
         started.append(start_viewer(port, page))
