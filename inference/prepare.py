@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from affine_model.curvature import Array
 from affine_model.declared_laws import declared_laws, refuse_unknown_laws
@@ -21,7 +19,7 @@ from inference.motion_spread import motion_spread
 from inference.noise_floor import noise_deviation
 from inference.observation import POSE, Observation
 from inference.sensed_observation import with_sensors
-from tentacle.base_motion import BaseMotion, fit_base_motion, fit_travel, seen_from_base
+from tentacle.base_motion import HeldOutside, fit_base_motion, fit_travel, seen_from_base
 from tentacle.errors import InputError
 from tentacle.recording import Recording
 from tentacle.slips import root_direction, root_turning
@@ -59,29 +57,6 @@ class Prepared:
     points: Array | None
     sigma: float
     words: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class HeldOutside:
-    """A base motion that is known from first to last [s]. Before and after, the base stands still."""
-
-    motion: BaseMotion
-    first: float
-    last: float
-
-    def __call__(self, t: ArrayLike) -> Array:
-        """theta, rate, acceleration (3, ...), not to be written to: a fit asks for the same times again and again."""
-        times = np.asarray(t, dtype=float)
-        return _held_outside(self, times.tobytes()).reshape(3, *times.shape)
-
-
-@lru_cache(maxsize=8)
-def _held_outside(base: HeldOutside, times: bytes) -> Array:
-    t = np.frombuffer(times)
-    table = np.array(base.motion(np.clip(t, base.first, base.last)))
-    table[1:] *= (t >= base.first) & (t <= base.last)
-    table.flags.writeable = False
-    return table
 
 
 def _base(recording: Recording) -> Waveform:

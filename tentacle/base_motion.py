@@ -21,7 +21,6 @@ from scipy.linalg import solveh_banded
 from tentacle.errors import InputError
 from tentacle.recording import Recording
 from tentacle.signals import Array, BaseTravel, MotorSignal
-from tentacle.waveform import Waveform
 
 SPLINE_DEGREE = 5
 FEWEST_SAMPLES = SPLINE_DEGREE + 1
@@ -75,38 +74,56 @@ class BaseMotion:
 
 
 @dataclass(frozen=True)
-class Travel:
-    """The path of a travelling base: called with t (...) [s] it gives x, y [m], their rates and accelerations (6, ...).
+class HeldOutside:
+    """A base motion that is known from first to last [s]. Before and after, the base stands still."""
 
-    along_x, along_y: waveforms as a BaseMotion is one; first, last [s]: where the path is known. Outside, the base
-    stands still.
-    """
-
-    along_x: Waveform
-    along_y: Waveform
+    motion: BaseMotion
     first: float
     last: float
 
     def __call__(self, t: ArrayLike) -> Array:
-        """x, y, rates, accelerations at t, not to be written to: a fit asks for the same times again and again."""
+        """theta, rate, acceleration (3, ...), not to be written to: a fit asks for the same times again and again."""
         times = np.asarray(t, dtype=float)
-        return _travelled(self, times.tobytes()).reshape(6, *times.shape)
+        return _held_outside(self, times.tobytes()).reshape(3, *times.shape)
 
 
 @lru_cache(maxsize=8)
-def _travelled(travel: Travel, times: bytes) -> Array:
+def _held_outside(base: HeldOutside, times: bytes) -> Array:
     t = np.frombuffer(times)
-    inside = np.clip(t, travel.first, travel.last)
-    table = np.stack([travel.along_x(inside), travel.along_y(inside)], axis=1).reshape(6, t.size)
-    table[2:] *= (t >= travel.first) & (t <= travel.last)
+    table = np.array(base.motion(np.clip(t, base.first, base.last)))
+    table[1:] *= (t >= base.first) & (t <= base.last)
     table.flags.writeable = False
     return table
 
 
+@dataclass(frozen=True)
+class Travel:
+    """The path of a travelling base: called with t (...) [s] it gives x, y [m], their rates and accelerations (6, ...).
+    Outside first and last [s] the base stands still.
+    """
+
+    x: HeldOutside
+    y: HeldOutside
+
+    @property
+    def first(self) -> float:
+        """Where the path begins to be known [s]."""
+        return self.x.first
+
+    @property
+    def last(self) -> float:
+        """Where it ends [s]."""
+        return self.x.last
+
+    def __call__(self, t: ArrayLike) -> Array:
+        """x, y, rates, accelerations at t."""
+        return np.stack([self.x(t), self.y(t)], axis=1).reshape(6, *np.shape(t))
+
+
 def fit_travel(travel: BaseTravel) -> Travel:
     """The motion fitted to a base's measured path; InputError with fewer samples than a quintic needs (6)."""
-    x, y = (fit_samples(travel.t, travel.xy[:, axis], "base") for axis in range(2))
-    return Travel(x, y, float(travel.t[0]), float(travel.t[-1]))
+    first, last = float(travel.t[0]), float(travel.t[-1])
+    return Travel(*(HeldOutside(fit_samples(travel.t, along, "base"), first, last) for along in travel.xy.T))
 
 
 def seen_from_base(recording: Recording, travel: Travel | None) -> Recording:

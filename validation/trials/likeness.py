@@ -12,9 +12,9 @@ from inference.base_fit import Setting, fit_base, needed_order
 from inference.experiment import Experiment
 from inference.fit import Fit
 from inference.observation import ShapeObservation
-from inference.prepare import CannotTellError, HeldOutside, Prepared, prepare
+from inference.prepare import CannotTellError, Prepared, prepare
 from inference.trajectory import Problem
-from tentacle.base_motion import BaseMotion
+from tentacle.base_motion import HeldOutside
 from tentacle.errors import InputError
 from tentacle.model import Estimate, Model
 from tentacle.recording import Recording
@@ -152,7 +152,7 @@ def _angle_noise(recording: Recording, experiment: Experiment, interval: float) 
     samples.
     """
     base = experiment.base
-    if recording.motor is None or not isinstance(base, HeldOutside) or not isinstance(base.motion, BaseMotion):
+    if recording.motor is None or not isinstance(base, HeldOutside):
         return 0.0
     between = float(np.median(np.diff(recording.motor.t)))
     return base.motion.noise * float(np.sqrt(min(between / interval, 1.0)))
