@@ -161,16 +161,21 @@ def _preferred(h: Hypothesis, known: Hypothesis, temperature: float) -> Hypothes
 
 def _with_rests(tried: Tried) -> Tried:
     """The hypotheses, those that may count fitted to an end, and with the rest that they leave."""
-    missing = missing_of(list(tried.values()))
-    reach = max(max(log_masses(h, missing)) for h in tried.values()) - NEGLIGIBLE_NATS
-    counted = [h for h in tried.values() if max(log_masses(h, missing)) > reach]
-    creeping = [h for h in counted if h.effects and h.fitted.result is RESULTS.MAX_STEPS]
+    creeping = [h for h in _that_may_count(tried) if h.fitted.result is RESULTS.MAX_STEPS]
     tried = _with(tried, side_by_side([partial(_continued, h) for h in creeping]))
+    asked = [h for h in _that_may_count(tried) if h.alone is None]
     base = tried[frozenset()]
     base = base if base.alone is not None else with_rest(base)
-    asked = [h for h in tried.values() if h.effects and h.alone is None and max(log_masses(h, missing)) > reach]
     found = side_by_side([partial(with_rest, h, base) for h in asked])
     return tried | {frozenset(): base} | {frozenset(h.effects): h for h in found}
+
+
+def _that_may_count(tried: Tried) -> list[Hypothesis]:
+    """The sets of effects whose mass is no more than NEGLIGIBLE_NATS behind the largest."""
+    missing = missing_of(list(tried.values()))
+    masses = {effects: max(log_masses(h, missing)) for effects, h in tried.items()}
+    least = max(masses.values()) - NEGLIGIBLE_NATS
+    return [h for effects, h in tried.items() if effects and masses[effects] > least]
 
 
 def _promising(roughs: list[RoughFit]) -> list[RoughFit]:
