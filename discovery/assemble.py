@@ -22,6 +22,7 @@ from discovery.decide import (
 from discovery.detection import of_unnamed
 from discovery.given import Deciding
 from discovery.next_experiment import propose_experiment
+from discovery.predictive_check import is_withdrawn, mass_of_else, predictive_words, unpredicted
 from discovery.search import PosteriorSearch
 from inference.compare import floor_errors, midline_error, run_comparison, run_errors
 from inference.declared_words import declared_words
@@ -78,9 +79,11 @@ def assemble_posterior(
     lost = 0.0 if reduction is None else min(reduction.millimetres, after.midline_mm or np.inf)
     floor = floor_errors(runs, prepared, lost)
     effects, verdict = decision.effects, decision.verdict
-    worse = (after.midline_mm or 0.0) > (before.midline_mm or np.inf)
-    withdrawn = worse and verdict in ("effect", "group")
-    sure = 1.0 - decision.confidence if withdrawn else decision.confidence
+    missing = missing_of(found.hypotheses)
+    temperature = missing.temperature
+    left = unpredicted(_declared_error(found, prepared, is_held_out), after.midline_mm, floor.midline_mm)
+    withdrawn = is_withdrawn(decision, missing, left)
+    sure = mass_of_else(decision, missing, left) if withdrawn else decision.confidence
     if withdrawn:
         effects, verdict = (), "unknown"
     words = [sentence for p in prepared for sentence in p.words] + own_geometry_words(prepared)
@@ -93,7 +96,6 @@ def assemble_posterior(
             effects, verdict = (FINER_SHAPE,), "effect"
         elif verdict in ("effect", "group"):
             effects = (*effects, FINER_SHAPE)
-    temperature = missing_of(found.hypotheses).temperature
     known = _over_sets(decision, temperature)
     d = chosen.problem.known(chosen.fitted.parameters)[0].arm
     # Where the model runs alone, its laws' form misleads no less than in the answer: the same T widens its intervals.
@@ -105,11 +107,7 @@ def assemble_posterior(
     words += _decision_words(found, decision)
     if decision.verdict == "nothing_missing":
         words += left_words(after.midline_mm, floor.midline_mm)
-    if withdrawn:
-        added = " + ".join(chosen.effects)
-        words.append(f"With {added} the model predicts the judged frames worse than without: nothing is named.")
-    elif worse and verdict == "unknown":
-        words.append("On the judged frames the best model found errs more than the declared model.")
+    words += predictive_words(chosen.effects, left, withdrawn=withdrawn) if verdict == "unknown" else []
     if proposal is not None:
         words.append(proposal_words(proposal))
     elif rivals:
@@ -144,6 +142,12 @@ def assemble_posterior(
         detection_limits=of_unnamed(around.limits, effects),
         where=_where(effects, prepared, chosen),
     )
+
+
+def _declared_error(found: PosteriorSearch, prepared: list[Prepared], is_held_out: bool) -> float | None:
+    """The error of the declared model [mm] on the judged frames, with all coordinates and without unknown forces."""
+    declared = next(h for h in found.hypotheses if not h.effects)
+    return None if declared.alone is None else midline_error(prepared, declared.problem, declared.alone, is_held_out)
 
 
 def _where(effects: tuple[str, ...], prepared: list[Prepared], chosen: Hypothesis) -> dict[str, tuple[str, ...]]:

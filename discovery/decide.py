@@ -63,7 +63,7 @@ CREDIBLE = 0.95
 
 @dataclass(frozen=True)
 class PosteriorDecision:
-    """The verdict, its effects and its posterior mass.
+    """The verdict, its effects and its posterior mass. unexplained: mass of something else.
 
     certain: effects that are in every credible set; the answer if one of these sets holds nothing else. sets: the
     credible sets with the mass that each and those that contain it hold. masses: effect -> posterior mass of all sets
@@ -78,6 +78,7 @@ class PosteriorDecision:
     masses: dict[str, float]
     leading: Hypothesis
     rivals: tuple[Hypothesis, ...]
+    unexplained: float
 
 
 def log_prior_of_set(count: int) -> float:
@@ -207,25 +208,24 @@ def decide_by_mass(hypotheses: list[Hypothesis]) -> PosteriorDecision:
             masses[name] = masses.get(name, 0.0) + float(within + beyond)
     if unexplained >= 0.5:
         leading = hypotheses[int(np.argmax(mass[:, 1]))]
-        return PosteriorDecision("unknown", (), unexplained, (), (), masses, leading, ())
+        return PosteriorDecision("unknown", (), unexplained, (), (), masses, leading, (), unexplained)
     credible = _credible(hypotheses, mass[:, 0], CREDIBLE * (1.0 - unexplained))
     total, sets = sum(credible.values()), tuple((hypotheses[k].effects, held) for k, held in credible.items())
     first, *others = credible
     leading, rivals = hypotheses[first], tuple(hypotheses[k] for k in others)
     certain = tuple(name for name in leading.effects if all(name in effects for effects, _ in sets))
     if first == empty or mass[empty, 0] >= 0.5:
-        return PosteriorDecision(
-            "nothing_missing", (), float(mass[empty, 0]), (), sets, masses, hypotheses[empty], rivals
-        )
+        held = float(mass[empty, 0])
+        return PosteriorDecision("nothing_missing", (), held, (), sets, masses, hypotheses[empty], rivals, unexplained)
     # What all credible sets share is the whole answer if one of them holds nothing else.
     exact = [k for k in credible if certain and set(hypotheses[k].effects) == set(certain)]
     if exact:  # the set that holds nothing else is the answer's model, though one with a further effect may have more
         leading, rivals = hypotheses[exact[0]], tuple(hypotheses[k] for k in credible if k != exact[0])
         holding = sum(float(m[0]) for h, m in zip(hypotheses, mass, strict=True) if set(certain) <= set(h.effects))
-        return PosteriorDecision("effect", certain, holding, certain, sets, masses, leading, rivals)
+        return PosteriorDecision("effect", certain, holding, certain, sets, masses, leading, rivals, unexplained)
     union = sorted({name for effects, _ in sets for name in effects}, key=lambda name: -masses[name])
     named = total - credible.get(empty, 0.0)
-    return PosteriorDecision("group", tuple(union), named, certain, sets, masses, leading, rivals)
+    return PosteriorDecision("group", tuple(union), named, certain, sets, masses, leading, rivals, unexplained)
 
 
 def _credible(hypotheses: Sequence[Hypothesis], mass: Array, asked: float) -> dict[int, float]:
