@@ -138,7 +138,7 @@ def assemble_posterior(
         seed=seed,
         explained=explained(found.base, chosen, seed) if effects and chosen.effects else None,
         certain=() if withdrawn else decision.certain,
-        sets=tuple(CredibleSet(names, mass) for names, mass in decision.sets),
+        sets=() if withdrawn else tuple(CredibleSet(names, mass) for names, mass in decision.sets),
         detection_limits=of_unnamed(around.limits, effects),
         where=_where(effects, prepared, chosen),
     )
