@@ -103,11 +103,12 @@ def assemble_posterior(
     joint = joint_posterior(open_loop.problem, open_loop.fitted, temperature)
     leading, rivals = _to_be_split(found, decision)
     proposal = propose_experiment(leading, rivals, deciding.servo, seed)
-    words += declared_words(chosen.problem, chosen.fitted, temperature, around.taken)
+    imitates = verdict == "unknown"
+    words += declared_words(chosen.problem, chosen.fitted, temperature, around.taken, imitates=imitates)
     words += _decision_words(found, decision)
     if decision.verdict == "nothing_missing":
         words += left_words(after.midline_mm, floor.midline_mm)
-    words += predictive_words(chosen.effects, left, withdrawn=withdrawn) if verdict == "unknown" else []
+    words += predictive_words(chosen.effects, left, withdrawn=withdrawn) if imitates else []
     if proposal is not None:
         words.append(proposal_words(proposal))
     elif rivals:

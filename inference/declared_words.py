@@ -15,15 +15,25 @@ from tentacle.rounding import rounded
 # Standard deviations of the declaration: one honest declaration in 400 is farther from its number
 FAR_FROM_DECLARED = 3.0
 SILENT = 0.9  # of the declared spread: if the fit leaves more than this share, the data say nothing about the number
+IMITATED = (
+    "These numbers are those of the best model found, which only imitates what is missing: they may be wrong by more "
+    "than is stated."
+)
 LIKELY = 1.96  # of a normal number that is cut at its most likely value, 95 % lies within so many standard deviations
 
 
 def declared_words(
-    problem: Problem, fitted: Fit, inflation: float = 1.0, taken: Mapping[str, str] | None = None
+    problem: Problem,
+    fitted: Fit,
+    inflation: float = 1.0,
+    taken: Mapping[str, str] | None = None,
+    *,
+    imitates: bool = False,
 ) -> list[str]:
     """A sentence for each law of the arm's own, with its parameters and their 95 % intervals, and for each uncertain
     number: what was declared, what the data say, and whether the two agree. inflation: see inference.estimates. taken:
-    laws that were not declared, and the sentence that says why they are counted as the arm's own.
+    laws that were not declared, and the sentence that says why they are counted as the arm's own. imitates: the model
+    only imitates something unknown, which is said too where a number was found.
     """
     table, why = estimates(problem, fitted, inflation), taken or {}
     deviations = declared_deviations(problem, fitted, inflation)
@@ -33,7 +43,7 @@ def declared_words(
             continue
         value = float(fitted.values[fitted.free.index(name)])
         words.append(_sentence(number, value, deviations[number.name]))
-    return words
+    return [*words, IMITATED] if imitates and any("the data say" in one for one in words) else words
 
 
 def _law_sentence(name: str, fitted: Mapping[str, Estimate], why: str | None) -> str:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from inference.base_fit import Setting, fit_base
-from inference.declared_words import declared_words
+from inference.declared_words import IMITATED, declared_words
 from inference.estimates import declared_deviations
 from inference.fit import Fit, linearised_fit
 from inference.identify import identify
@@ -41,7 +41,9 @@ def test_length_and_density_that_the_motion_shows_are_found(recorded) -> None:
         assert abs(fitted.values[place] - true) < 4.0 * deviation  # one draw in 16 000 is farther
         assert deviation < 0.02 * true  # of 100 kg/m3 and 5 mm declared: the data decide
     assert 2.0 * fitted.misfit / fitted.count < 1.1  # a model that is right leaves the noise
-    assert any(LENGTH in sentence and "the data say" in sentence for sentence in declared_words(problem, fitted))
+    words = declared_words(problem, fitted)
+    assert any(LENGTH in sentence and "the data say" in sentence for sentence in words)
+    assert declared_words(problem, fitted, imitates=True) == [*words, IMITATED]
 
 
 def test_a_number_that_the_motion_does_not_show_keeps_its_declared_spread(recorded) -> None:
@@ -53,7 +55,8 @@ def test_a_number_that_the_motion_does_not_show_keeps_its_declared_spread(record
     problem, fitted = fitted_to(replace(recording, declaration=declaration))
     place = fitted.free.index(("declared", DENSITY))
     assert np.isclose(np.sqrt(fitted.covariance[place, place]), 50.0, rtol=0.02)  # the prior alone, to rounding
-    assert declared_words(problem, fitted)[0].endswith("say nothing about it.")
+    (silent,) = declared_words(problem, fitted, imitates=True)  # where nothing is said, nothing has to be doubted
+    assert silent.endswith("say nothing about it.")
 
 
 def test_where_the_likelihood_is_coarsened_the_declaration_keeps_its_weight(recorded) -> None:
