@@ -82,7 +82,8 @@ def assemble_posterior(
     missing = missing_of(found.hypotheses)
     temperature = missing.temperature
     left = unpredicted(_declared_error(found, prepared, is_held_out), after.midline_mm, floor.midline_mm)
-    withdrawn = is_withdrawn(decision, missing, left)
+    worse = (after.midline_mm or 0.0) > (before.midline_mm or np.inf)
+    withdrawn = is_withdrawn(decision, missing, left, worse=worse)
     sure = mass_of_else(decision, missing, left) if withdrawn else decision.confidence
     if withdrawn:
         effects, verdict = (), "unknown"
@@ -103,12 +104,11 @@ def assemble_posterior(
     joint = joint_posterior(open_loop.problem, open_loop.fitted, temperature)
     leading, rivals = _to_be_split(found, decision)
     proposal = propose_experiment(leading, rivals, deciding.servo, seed)
-    imitates = verdict == "unknown"
-    words += declared_words(chosen.problem, chosen.fitted, temperature, around.taken, imitates=imitates)
+    words += declared_words(chosen.problem, chosen.fitted, temperature, around.taken, imitates=verdict == "unknown")
     words += _decision_words(found, decision)
     if decision.verdict == "nothing_missing":
         words += left_words(after.midline_mm, floor.midline_mm)
-    words += predictive_words(chosen.effects, left, withdrawn=withdrawn) if imitates else []
+    words += predictive_words(chosen.effects, left, withdrawn=withdrawn) if verdict == "unknown" else []
     if proposal is not None:
         words.append(proposal_words(proposal))
     elif rivals:

@@ -6,7 +6,7 @@
 before, after: rms errors of the declared model and of the answer's on the judged frames, both with all coordinates and
 without unknown forces. k is the decision's own (discovery.decide): laws whose form is known to FORM leave so much, and
 b^2 is what the declared model leaves in its baseline, r_0^2 in the recordings. An answer is withdrawn if it leaves more
-than MOST_UNPREDICTED, and something else is then the likelier.
+than MOST_UNPREDICTED, and something else is then the likelier; or if it errs more than the paper's model.
 
 Sources: Dawid 1984 (a model is judged by its predictions); Gelman, Meng and Stern 1996 (posterior predictive checks).
 """
@@ -37,18 +37,20 @@ def mass_of_else(decision: PosteriorDecision, missing: Missing, left: float) -> 
     return decision.unexplained / max(decision.unexplained + known, 1e-300)
 
 
-def is_withdrawn(decision: PosteriorDecision, missing: Missing, left: float) -> bool:
-    """Whether effects were named that do not predict the judged frames."""
+def is_withdrawn(decision: PosteriorDecision, missing: Missing, left: float, *, worse: bool) -> bool:
+    """Whether effects were named that do not predict the judged frames. worse: they err more than the paper's model."""
     named = decision.verdict in ("effect", "group")
-    return named and left > MOST_UNPREDICTED and mass_of_else(decision, missing, left) > 0.5
+    return named and (worse or (left > MOST_UNPREDICTED and mass_of_else(decision, missing, left) > 0.5))
 
 
 def predictive_words(effects: tuple[str, ...], left: float, *, withdrawn: bool) -> list[str]:
     """A sentence where the best model's effects are withdrawn, or where it errs more than the declared model."""
-    if withdrawn:
-        names, share = " + ".join(effects), 100.0 * left
+    names = " + ".join(effects)
+    if withdrawn and left > MOST_UNPREDICTED:
         return [
-            f"{names} would be named, but on the judged frames {share:.0f} % of the missing motion's power is left: "
-            "they do not predict it."
+            f"{names} would be named, but on the judged frames {100.0 * left:.0f} % of the missing motion's power is "
+            "left: they do not predict it."
         ]
+    if withdrawn:
+        return [f"With {names} the model predicts the judged frames worse than without: nothing is named."]
     return ["On the judged frames the best model found errs more than the declared model."] if left > 1.0 else []

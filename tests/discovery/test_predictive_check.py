@@ -40,18 +40,25 @@ def test_an_answer_that_predicts_within_the_form_of_laws_keeps_its_mass(named: P
     assert mass_of_else(named, MISSING, 0.0) == pytest.approx(0.1)
     kept = mass_of_else(named, MISSING, FORM**2)  # one standard deviation: k = exp(-1/2)
     assert kept == pytest.approx(0.1 / (0.1 + 0.9 * np.exp(-0.5)))
-    assert not is_withdrawn(named, MISSING, FORM**2)
+    assert not is_withdrawn(named, MISSING, FORM**2, worse=False)
 
 
 def test_an_answer_that_predicts_little_is_withdrawn(named: PosteriorDecision) -> None:
-    assert is_withdrawn(named, MISSING, 0.8)
+    assert is_withdrawn(named, MISSING, 0.8, worse=False)
     assert mass_of_else(named, MISSING, 0.8) > 0.9
     assert "80 %" in predictive_words(("current",), 0.8, withdrawn=True)[0]
 
 
 def test_a_baseline_that_its_model_follows_as_badly_withdraws_nothing(named: PosteriorDecision) -> None:
-    assert not is_withdrawn(named, replace(MISSING, declared_rest=100.0), 0.8)
+    assert not is_withdrawn(named, replace(MISSING, declared_rest=100.0), 0.8, worse=False)
 
 
 def test_nothing_missing_is_not_withdrawn(named: PosteriorDecision) -> None:
-    assert not is_withdrawn(replace(named, verdict="nothing_missing"), MISSING, 0.8)
+    assert not is_withdrawn(replace(named, verdict="nothing_missing"), MISSING, 0.8, worse=False)
+
+
+def test_effects_with_which_the_model_predicts_worse_are_withdrawn_whatever_is_left(named: PosteriorDecision) -> None:
+    """Where the declared model errs by no more than the floor, no share tells it."""
+    assert is_withdrawn(named, replace(MISSING, declared_rest=100.0), unpredicted(0.2, 0.5, 0.3), worse=True)
+    assert "worse than without" in predictive_words(("current",), 0.0, withdrawn=True)[0]
+    assert not is_withdrawn(replace(named, verdict="nothing_missing"), MISSING, 0.8, worse=True)
