@@ -87,7 +87,7 @@ class HeldOutside:
         return _held_outside(self, times.tobytes()).reshape(3, *times.shape)
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=24)  # eight of each: the base's angle, x and y
 def _held_outside(base: HeldOutside, times: bytes) -> Array:
     t = np.frombuffer(times)
     table = np.array(base.motion(np.clip(t, base.first, base.last)))
