@@ -49,6 +49,7 @@ def told(asked: StopAsked) -> Iterator[CommandEnd]:
     except SystemExit:
         raise
     except BaseException as error:
+        asked.arrived()
         line, outcome.code = _told(error, asked)
         if line:
             remark(line)

@@ -5,6 +5,10 @@ A signal's handler raises Ended wherever the program is. Within a callback from 
 removed, Python can raise nothing: it reports the exception (sys.unraisablehook) and goes on. numba's compiler is such
 a place. There, the exception is raised again a moment later.
 
+Other people's code may catch an interrupt and go on: glfw, which mujoco imports, does so while it looks for a module
+("except:"). So Ended is raised again every LOST_AFTER, until it reaches the end of the command. While a clean-up runs
+(an Ended is being handled), it waits.
+
 numba's dispatcher, which is C code, crashes now and then if an exception comes out of the compiler that it called (4
 of 120 interrupts of `track`). So Ended waits until numba has returned, but not longer than LONGEST_WAIT.
 
@@ -24,6 +28,7 @@ from types import FrameType
 from typing import Any
 
 AGAIN_AFTER = 0.1  # s
+LOST_AFTER = 1.0  # s; a verb that catches the interrupt itself, as the page of `view` does, has ended by then
 LONGEST_WAIT = 8.0  # s; a function of ours is loaded in less than .5 s and compiled in some seconds
 COMPILERS = ("numba.", "llvmlite.")
 
@@ -55,10 +60,16 @@ class StopAsked:
 
     def again(self, _number: int, frame: FrameType | None) -> None:
         """The timer's handler: what was lost, or has waited, is raised."""
-        if _compiles(frame) and time.monotonic() < self.latest:
+        if _is_handled() or (_compiles(frame) and time.monotonic() < self.latest):
             signal.setitimer(signal.ITIMER_REAL, AGAIN_AFTER)
             return
+        signal.setitimer(signal.ITIMER_REAL, LOST_AFTER)
         raise Ended(self.number)
+
+    def arrived(self) -> None:
+        """The end of the command has caught what was raised: nothing is raised again."""
+        if self.number:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
 
     def unraisable(self, report: Any) -> None:
         """Python's hook for exceptions that cannot be raised."""
@@ -66,6 +77,14 @@ class StopAsked:
             signal.setitimer(signal.ITIMER_REAL, AGAIN_AFTER)
         elif not self.number and not isinstance(report.exc_value, KeyboardInterrupt):
             sys.__unraisablehook__(report)
+
+
+def _is_handled() -> bool:
+    """Whether an `except`, a `finally` or an `__exit__` is at work on an Ended."""
+    found = sys.exception()
+    while found is not None and not isinstance(found, Ended):
+        found = found.__context__
+    return found is not None
 
 
 def _compiles(frame: FrameType | None) -> bool:

@@ -65,7 +65,16 @@ def within_numba(number: int) -> None:
     time.sleep(5.0)
 
 
-@pytest.mark.parametrize("lost", [within_c, within_removal, then_broken, HalfMade, within_numba])
+def swallowed(number: int) -> None:
+    """As by glfw, when it looks for a module."""
+    try:
+        ask(number)
+    except BaseException:
+        time.sleep(0.2)  # within a clean-up nothing is raised again
+    time.sleep(5.0)
+
+
+@pytest.mark.parametrize("lost", [within_c, within_removal, then_broken, HalfMade, within_numba, swallowed])
 @pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
 def test_a_lost_interrupt_still_ends_the_command(
     number: int, lost: Callable[[int], None], capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -76,6 +85,25 @@ def test_a_lost_interrupt_still_ends_the_command(
     with signals_as_interrupts() as asked, told(asked) as outcome:
         lost(number)
     HalfMade.kept.clear()
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
     assert outcome.code == 128 + number
     assert capfd.readouterr().err == "tentacle: stopped\n"
     assert [signal.getsignal(one) for one in SIGNALS] == before
+
+
+def test_a_clean_up_is_not_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It takes three times as long as a lost interrupt waits, with errors of its own that it handles."""
+    monkeypatch.setattr("tentacle.cli._stop_signals.LOST_AFTER", 0.1)
+    monkeypatch.setattr("tentacle.cli._endings.close_output", lambda: None)
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
+    done: list[str] = []
+    with signals_as_interrupts() as asked, told(asked) as outcome:
+        try:
+            ask(signal.SIGTERM)
+        finally:
+            try:
+                raise OSError("cannot be removed")
+            except OSError:
+                time.sleep(0.3)
+            done.append("cleaned")
+    assert (done, outcome.code) == (["cleaned"], 143)
