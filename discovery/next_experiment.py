@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
 
 from affine_model.curvature import Array
+from discovery.side_by_side import side_by_side
 from inference.deferred_correction import coarser
 from inference.experiment import Experiment, predict
 from inference.fit import Fit
@@ -109,15 +111,17 @@ def propose_experiment(
     source = chosen.problem.experiments[0]
     if not rivals or not has_servo(source):
         return None
-    sets = tuple(h.effects for h in (chosen, *rivals))
-    best: Proposal | None = None
-    for waveform in candidate_motions(limits, seed):
-        future = _virtual(source, waveform)
-        measured = _measured(chosen, future)
-        gap = min(max(_gap(rival, measured), _gap(chosen, _measured(rival, future))) for rival in rivals)
-        if best is None or gap > best.nats:
-            best = Proposal(waveform, sets, gap)
-    return best
+    motions = candidate_motions(limits, seed)
+    proposals = side_by_side([partial(_separated, chosen, rivals, waveform) for waveform in motions])
+    return max(proposals, key=lambda one: one.nats)
+
+
+def _separated(chosen: FittedHypothesis, rivals: tuple[FittedHypothesis, ...], waveform: Waveform) -> Proposal:
+    """The base motion with what it separates."""
+    future = _virtual(chosen.problem.experiments[0], waveform)
+    measured = _measured(chosen, future)
+    gap = min(max(_gap(rival, measured), _gap(chosen, _measured(rival, future))) for rival in rivals)
+    return Proposal(waveform, tuple(h.effects for h in (chosen, *rivals)), gap)
 
 
 def _measured(true: FittedHypothesis, experiment: Experiment) -> Experiment:

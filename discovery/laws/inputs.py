@@ -108,6 +108,10 @@ class LawInputs:
             "force_x": of(one, none, tip_one, tip_none), "force_y": of(none, one, tip_none, tip_one),
         }  # fmt: skip
 
+    def prepare(self) -> None:
+        """The quantities and levers of every law are computed once."""
+        _ = self.along, self.at_tip, self._levers
+
     def remembered(self, tau: float) -> Array:
         """The memory (T, N) of a spring in series with a dashpot of that relaxation time [s]."""
         keeps, takes = relaxed(1.0, 0.0, MOTION_STEP, tau), relaxed(0.0, 1.0, MOTION_STEP, tau)

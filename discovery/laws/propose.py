@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from discovery.laws.over import over_coordinates
 from discovery.laws.search import FittedLaw
 from discovery.laws.words import by_kind, title_of
 from discovery.next_experiment import propose_experiment
+from discovery.side_by_side import side_by_side
 from inference.base_fit import most_coordinates
 from inference.compare import midline_error
 from inference.fit import Fit, fit
@@ -38,6 +40,7 @@ FIT_ROUNDS, FIT_TOLERANCE = 25, 1e-4
 CLOSE_ROUNDS, CLOSE_TOLERANCE = 200, 1e-6
 LEAST_FORCE = 0.25  # noise deviations rms of the missing force's answer, below which nothing is sought
 GAIN = 20.0  # nats beyond its price that a law must bring
+AWAY = "the motion with it leaves all bounds"
 
 
 def propose_laws(
@@ -103,7 +106,7 @@ class LawFit:
         or not worth its price; empty where none holds.
         """
         if np.abs(self.fitted.used_residuals).max() >= RAN_AWAY:
-            return "the motion with it leaves all bounds"
+            return AWAY
         if held := [name for effect, name in self.fitted.at_bound if effect == self.law.name]:
             return f"its fit ends at a bound of {' and '.join(held)}"
         return "" if GAIN < self.gain < np.inf else "its fit gains too little"
@@ -148,11 +151,14 @@ def _fitted(base: tuple[Problem, Fit], searched: Searched, prepared: list[Prepar
         plain = _beside_laws(problem, own)
         bare = fit(plain, fitted.nuisances, tolerance=FIT_TOLERANCE, most=FIT_ROUNDS)
         start = _beside_laws(problem, moved)
-        fits = [_with_law(start, fitted, found, law) for found, law in zip(worth, laws, strict=True)]
-        variance = max(1.0, min(2.0 * one.fitted.misfit / one.fitted.count for one in fits))
+        fits = side_by_side(
+            [partial(_with_law, start, fitted, found, law) for found, law in zip(worth, laws, strict=True)]
+        )
+        refused = {law.name: AWAY for law in laws if law not in [one.law for one in fits]}
+        variance = max(1.0, min((2.0 * one.fitted.misfit / one.fitted.count for one in fits), default=1.0))
         nothing = laplace_evidence(plain, bare, variance)
         judged = [replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in fits]
-        refused = {one.law.name: one.refusal for one in judged if one.refusal}
+        refused |= {one.law.name: one.refusal for one in judged if one.refusal}
         counted = sorted((one for one in judged if not one.refusal), key=lambda one: -one.gain)
         refused |= {one.law.name: f"{MOST} other laws have more evidence" for one in counted[MOST:]}
         judged = [
@@ -258,8 +264,8 @@ def _fitted_closely(laws: list[LawFit], variance: float) -> list[LawFit]:
         finer = _closer(best, most)
         added = sum(finer.problem.sizes()) - sum(best.problem.sizes())
         if (best.fitted.misfit - finer.fitted.misfit) / variance > added:
-            return [finer, *(_closer(one, most) for one in laws[1:])]
-    return [best, *(_closer(one) for one in laws[1:])]
+            return [finer, *side_by_side([partial(_closer, one, most) for one in laws[1:]])]
+    return [best, *side_by_side([partial(_closer, one) for one in laws[1:]])]
 
 
 def _closer(one: LawFit, order: int | None = None) -> LawFit:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
 
 import numpy as np
@@ -21,6 +21,7 @@ from affine_model.curvature import Array
 from discovery.laws.grammar import Form, Scale, forms
 from discovery.laws.inputs import LawInputs
 from discovery.laws.refine import RefinementProblem, RefinementStart, refined_shapes
+from discovery.side_by_side import side_by_side
 from inference.missing_force import MOTION_STEP
 from inference.trajectory import RAN_AWAY
 from tentacle.law.written_law import WrittenParameter
@@ -67,6 +68,12 @@ class Sought:
     def target(self) -> Array:
         """The missing force's answer in all frames, whitened."""
         return np.concatenate([one.small.freed(one.small.target[:, None])[:, 0] for one in self.seen])
+
+    def prepare(self) -> None:
+        """What every form needs is computed once, before processes share the forms."""
+        for one in self.seen:
+            one.prepare()
+        _ = self.target
 
     @property
     def ran_away(self) -> bool:
@@ -144,18 +151,30 @@ class Sought:
         return np.where(within, np.einsum("gc,gc->g", slope, strengths), 0.0), found
 
 
+@dataclass(frozen=True)
+class RoughLaw:
+    """A form where its refinement begins, best start first; promise [nats]: the evidence at the best, with v = 1."""
+
+    form: Form
+    starts: list[RefinementStart]
+    promise: float
+
+
 def search_laws(sought: Sought, among: tuple[Form, ...] = ()) -> tuple[FittedLaw, ...]:
     """Laws that explain the missing force, best first; one a form. among: these forms alone (none: the grammar's)."""
-    rough = []
-    for form in among or forms(sought.scale):
-        starts = _starts(sought, form)
-        rough.append((starts[0].explained / 2.0 - _price(form, sought.frames), form, starts))
-    rough.sort(key=lambda row: -row[0])
-    refined = [_refined(sought, form, starts) for _, form, starts in rough[:REFINED]]
+    sought.prepare()
+    rough = side_by_side([partial(_rough, sought, form) for form in among or forms(sought.scale)])
+    rough.sort(key=lambda row: -row.promise)
+    refined = side_by_side([partial(_refined, sought, one.form, one.starts) for one in rough[:REFINED]])
     whole = float(sought.target @ sought.target)
     variance = max(1.0, min((whole - 2.0 * one.gain) / sought.degrees for one in refined))
     scaled = [replace(one, gain=one.gain / variance) for one in refined]
     return tuple(sorted(scaled, key=lambda one: -one.evidence))
+
+
+def _rough(sought: Sought, form: Form) -> RoughLaw:
+    starts = _starts(sought, form)
+    return RoughLaw(form, starts, starts[0].explained / 2.0 - _price(form, sought.frames))
 
 
 def _price(form: Form, frames: int) -> float:
