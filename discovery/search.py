@@ -114,20 +114,27 @@ def _with(tried: Tried, found: list[Hypothesis]) -> Tried:
 
 def _exchanged(centre: Hypothesis, tried: Tried, temperature: float) -> list[Hypothesis]:
     """The sets in which one of several effects of the centre is exchanged for another, and those without it."""
-    found, declared = list[Hypothesis](), tried[frozenset()].forces
-    for effect in centre.effects if len(centre.effects) > 1 else ():
-        rest = tried.get(frozenset(centre.effects) - {effect})
-        fewer = [rest] if rest else side_by_side([lambda e=effect: _fitted(removed(centre, e), declared, temperature)])
-        for without in map(with_derivatives, fewer):
-            begun = [
-                one
-                for one in exchange_starts(centre, without, temperature)
-                if is_fitted_anew((*without.effects, *one.chosen.names), without, tried)
-            ]
-            roughs = _promising(side_by_side([partial(added, without, one) for one in begun]))
-            found += [without_derivatives(without)] if rest is None else []
-            found += side_by_side([partial(_fitted, one, declared, temperature) for one in roughs])
-    return found
+    if len(centre.effects) < 2:
+        return []
+    declared, sets = tried[frozenset()].forces, {e: frozenset(centre.effects) - {e} for e in centre.effects}
+    anew = side_by_side([
+        lambda effect=effect: _fitted(removed(centre, effect), declared, temperature)
+        for effect, one in sets.items()
+        if one not in tried
+    ])  # fmt: skip
+    fewer = [with_derivatives(h) for h in (*(tried[one] for one in sets.values() if one in tried), *anew)]
+    tasks = [
+        lambda place=place, without=without, one=one: (place, added(without, one))
+        for place, without in enumerate(fewer)
+        for one in exchange_starts(centre, without, temperature)
+        if is_fitted_anew((*without.effects, *one.chosen.names), without, tried)
+    ]
+    roughs = side_by_side(tasks)
+    promising = [
+        one for place in range(len(fewer)) for one in _promising([rough for own, rough in roughs if own == place])
+    ]
+    found = side_by_side([partial(_fitted, one, declared, temperature) for one in promising])
+    return [*map(without_derivatives, anew), *found]
 
 
 def _nested(tried: Tried, pairs: list[Pair], declared: tuple[LatentForce, ...], temperature: float) -> list[Hypothesis]:
