@@ -2,12 +2,9 @@
 lost.
 
 A signal's handler raises Ended wherever the program is. Within a callback from C code, or while an object is being
-removed, Python can raise nothing: it reports the exception (sys.unraisablehook) and goes on. numba's compiler is such
-a place. There, the exception is raised again a moment later.
-
-Other people's code may catch an interrupt and go on: glfw, which mujoco imports, does so while it looks for a module
-("except:"). So Ended is raised again every LOST_AFTER, until it reaches the end of the command. While a clean-up runs
-(an Ended is being handled), it waits.
+removed, Python can raise nothing: it reports the exception (sys.unraisablehook) and goes on. And other people's code
+may catch an interrupt and go on: glfw, which mujoco imports, does so. So Ended is raised again every LOST_AFTER, until
+it reaches the end of the command. While an Ended is being handled (a clean-up), it waits.
 
 numba's dispatcher, which is C code, crashes now and then if an exception comes out of the compiler that it called (4
 of 120 interrupts of `track`). So Ended waits until numba has returned, but not longer than LONGEST_WAIT.
@@ -28,7 +25,7 @@ from types import FrameType
 from typing import Any
 
 AGAIN_AFTER = 0.1  # s
-LOST_AFTER = 1.0  # s; a verb that catches the interrupt itself, as the page of `view` does, has ended by then
+LOST_AFTER = 1.0  # s; a verb that catches the interrupt itself has ended by then
 LONGEST_WAIT = 8.0  # s; a function of ours is loaded in less than .5 s and compiled in some seconds
 COMPILERS = ("numba.", "llvmlite.")
 
@@ -72,10 +69,8 @@ class StopAsked:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
 
     def unraisable(self, report: Any) -> None:
-        """Python's hook for exceptions that cannot be raised."""
-        if isinstance(report.exc_value, Ended):
-            signal.setitimer(signal.ITIMER_REAL, AGAIN_AFTER)
-        elif not self.number and not isinstance(report.exc_value, KeyboardInterrupt):
+        """Python's hook for exceptions that cannot be raised: those of a program that ends are not reported."""
+        if not self.number and not isinstance(report.exc_value, KeyboardInterrupt):
             sys.__unraisablehook__(report)
 
 
