@@ -55,9 +55,9 @@ class StopAsked:
         self.number = number
         self.again(number, frame)
 
-    def again(self, _number: int, frame: FrameType | None) -> None:
-        """The timer's handler: what was lost, or has waited, is raised."""
-        if _is_handled() or (_compiles(frame) and time.monotonic() < self.latest):
+    def again(self, number: int, frame: FrameType | None) -> None:
+        """The timer's handler: what was lost, or has waited, is raised. A second Ctrl-C ends a clean-up too."""
+        if (number == signal.SIGALRM and _is_handled()) or (_compiles(frame) and time.monotonic() < self.latest):
             signal.setitimer(signal.ITIMER_REAL, AGAIN_AFTER)
             return
         signal.setitimer(signal.ITIMER_REAL, LOST_AFTER)

@@ -107,3 +107,17 @@ def test_a_clean_up_is_not_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
                 time.sleep(0.3)
             done.append("cleaned")
     assert (done, outcome.code) == (["cleaned"], 143)
+
+
+def test_a_second_ctrl_c_ends_a_clean_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that hangs, for instance."""
+    monkeypatch.setattr("tentacle.cli._endings.close_output", lambda: None)
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
+    done: list[str] = []
+    with signals_as_interrupts() as asked, told(asked) as outcome:
+        try:
+            ask(signal.SIGINT)
+        finally:
+            ask(signal.SIGINT)
+            done.append("cleaned")
+    assert (done, outcome.code) == ([], 130)
