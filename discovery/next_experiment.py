@@ -113,7 +113,7 @@ def propose_experiment(
         return None
     motions = candidate_motions(limits, seed)
     proposals = side_by_side([partial(_separated, chosen, rivals, waveform) for waveform in motions])
-    return max(proposals, key=lambda one: one.nats)
+    return max(proposals, key=lambda one: one.nats, default=None)
 
 
 def _separated(chosen: FittedHypothesis, rivals: tuple[FittedHypothesis, ...], waveform: Waveform) -> Proposal:

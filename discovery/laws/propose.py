@@ -154,17 +154,16 @@ def _fitted(base: tuple[Problem, Fit], searched: Searched, prepared: list[Prepar
         fits = side_by_side(
             [partial(_with_law, start, fitted, found, law) for found, law in zip(worth, laws, strict=True)]
         )
-        refused = {law.name: AWAY for law in laws if law not in [one.law for one in fits]}
+        refused = _away(laws, fits)
         variance = max(1.0, min((2.0 * one.fitted.misfit / one.fitted.count for one in fits), default=1.0))
         nothing = laplace_evidence(plain, bare, variance)
         judged = [replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in fits]
         refused |= {one.law.name: one.refusal for one in judged if one.refusal}
         counted = sorted((one for one in judged if not one.refusal), key=lambda one: -one.gain)
         refused |= {one.law.name: f"{MOST} other laws have more evidence" for one in counted[MOST:]}
-        judged = [
-            replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing)
-            for one in _fitted_closely(counted[:MOST], variance)
-        ]
+        closely = _fitted_closely(counted[:MOST], variance)
+        refused |= _away([one.law for one in counted[:MOST]], closely)
+        judged = [replace(one, gain=laplace_evidence(one.problem, one.fitted, variance) - nothing) for one in closely]
         refused |= {one.law.name: one.refusal for one in judged if one.refusal}
         accepted: list[LawHypothesis] = []
         for one in sorted((one for one in judged if not one.refusal), key=lambda one: -one.gain):
@@ -182,6 +181,12 @@ def _fitted(base: tuple[Problem, Fit], searched: Searched, prepared: list[Prepar
             proposal = propose_experiment(best, rivals, SERVO_UNDER_LOAD, 0)
             experiment = experiment_of(proposal, tuple(one.proposed for one in (best, *rivals)))
     return LawFits(tuple(one.proposed for one in accepted), motions, experiment, refused)
+
+
+def _away(laws: list[WrittenLaw], fits: list[LawFit]) -> dict[str, str]:
+    """The names of the laws that no fit was found of, because a run left all bounds, and that reason."""
+    fitted = [one.law for one in fits]
+    return {law.name: AWAY for law in laws if law not in fitted}
 
 
 def _by_name(problem: Problem, parameters: Array) -> tuple[dict[ParameterName, float], Array]:
