@@ -17,15 +17,17 @@ best: P(set | else).
 
 An error of form can also look like another effect: of the G nats that the best set gains, such an effect can gain
 FORM_ALIKE^2 G, and no more than the D nats by which the residual of the best set's model alone exceeds its noise. The
-likelihood is therefore coarsened by T (Miller and Dunson 2019, Robust Bayesian inference via coarsening). What is known
-of the set-up does not depend on the form of laws, and is not coarsened: in evidence(set, a, T) the prior variance of
-the camera's pose is T times smaller (inference.pose). A baseline measures the errors of form: there a set would gain
-B(set) nats, although none acts, and with T_b no set is named. In another recording they look like effects by other
-amounts: of two recordings the second has the larger gain as often as the first. The largest of some eight independent
-squares exceeds ANOTHER_DAY times another such largest one in a case of twenty. The declared laws may err by a share
-DECLARED_ALIKE of the motion that looks like an effect: in M nats of motion (inference.motion) such an effect gains
-DECLARED_ALIKE^2 M, and one effect is not named for it. In 19 development recordings of two plants without an effect,
-the best set gained at most .00095^2 M; the constant is 1.5 times that.
+likelihood is therefore coarsened by T (Miller and Dunson 2019, Robust Bayesian inference via coarsening). Newton's law
+of a rigid body and geometry have no form to be in doubt of. Beside a payload only the arm's own laws can err, and the
+share a of unknown forces beside the best set says how far they do: of what such effects gain, min(1, (a /
+DECLARED_FORM)^2) counts in G. What is known of the set-up does not depend on the form of laws, and is not coarsened: in
+evidence(set, a, T) the prior variance of the camera's pose is T times smaller (inference.pose). A baseline measures the
+errors of form: there a set would gain B(set) nats, although none acts, and with T_b no set is named. In another
+recording they look like effects by other amounts: of two recordings the second has the larger gain as often as the
+first. The largest of some eight independent squares exceeds ANOTHER_DAY times another such largest one in a case of
+twenty. The declared laws may err by a share DECLARED_ALIKE of the motion that looks like an effect: in M nats of motion
+(inference.motion) such an effect gains DECLARED_ALIKE^2 M, and one effect is not named for it. In 19 development
+recordings of two plants without an effect, the best set gained at most .00095^2 M; the constant is 1.5 times that.
 
 The verdict is the outcome with the largest mass. The credible sets are the fewest sets that, with all sets that contain
 them, hold CREDIBLE of the known mass: whether more acts beside them is another question. What they share is the answer
@@ -144,10 +146,10 @@ def usable(h: Hypothesis) -> bool:
 class Missing:
     """What the declared model leaves unexplained.
 
-    share: of the acting forces. rest [noise variances]: residual beyond noise. gained [nats]: by the best set, whose
-    model alone leaves a residual of `structured` nats beyond noise. declared: share of the acting forces that the form
-    of the declared laws leaves, and declared_rest the residual [noise variances]. baseline_coarsening: see Hypothesis.
-    motion [nats]: see inference.motion.
+    share: of the acting forces. rest [noise variances]: residual beyond noise. gained [nats]: by the best set, as far
+    as the form of its laws is in doubt; its model alone leaves a residual of `structured` nats beyond noise. declared:
+    share of the acting forces that the form of the declared laws leaves, and declared_rest the residual [noise
+    variances]. baseline_coarsening: see Hypothesis. motion [nats]: see inference.motion.
     """
 
     share: float
@@ -173,8 +175,16 @@ def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
     counted = min(1.0, MOST_DECLARED_FORM / max(base.baseline_share, 1e-12))
     form, rest = max(DECLARED_FORM, counted * base.baseline_share), counted**2 * base.baseline_rest
     best = max((h for h in hypotheses if not stands_at_bound(h)), key=lambda h: float(h.log_evidence.max()))
-    gained = float(best.log_evidence.max()) - float(base.log_evidence.max())
+    gained = _gained_in_doubt(best, base, hypotheses)
     return Missing(base.share, base.rest, gained, best.structured, form, rest, base.baseline_coarsening, base.motion)
+
+
+def _gained_in_doubt(best: Hypothesis, base: Hypothesis, hypotheses: Iterable[Hypothesis]) -> float:
+    """G [nats]: what the best set gains by laws whose form may differ."""
+    exact = {name for name in best.effects if catalogue()[name].has_exact_form}
+    by_exact = max(float(h.log_evidence.max()) for h in hypotheses if set(h.effects) <= exact)
+    nothing, everything = float(base.log_evidence.max()), float(best.log_evidence.max())
+    return everything - by_exact + min(1.0, (best.share / DECLARED_FORM) ** 2) * (by_exact - nothing)
 
 
 def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
