@@ -1,0 +1,146 @@
+"""The series of blind midlines as a table and a list of what went wrong, from the committed results of every trial.
+
+python benchmarks/series.py [--write]
+
+--write puts both between the marks of docs/loop_trials.md. In series before FIRST_SEED the R of arms that carry water
+was wrong (docs/loop_trials.md). The confidence is stated with the present temperature. "right" counts trials of any R.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from discovery.calibration import tempered
+from validation.trials.outcome import Outcome, scored
+from validation.trials.plant_design import DRAWN_PLANTS
+from validation.trials.scores import VISIBLE, Share, share
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "loop_trials.md"
+BEGIN, END = "<!-- series -->", "<!-- /series -->"
+FIRST_SEED = 1_200_001
+KINDS = {"single": "one effect", "null": "nothing hidden", "unknown": "outside", "pair": "two effects"}
+
+
+@dataclass(frozen=True)
+class Series:
+    """One series: its seed, the commit that made it, and every trial that ended."""
+
+    seed: int
+    commit: str
+    outcomes: tuple[Outcome, ...]
+
+
+def all_series(folder: Path = ROOT / "benchmarks" / "results") -> list[Series]:
+    """The series of midlines in the two plants that are drawn by default, the latest first."""
+    found = []
+    for file in folder.glob("blind_*.jsonl"):
+        seed = int(file.stem.removeprefix("blind_"))
+        if seed < FIRST_SEED:
+            continue
+        header, *trials = [json.loads(line) for line in file.read_text().splitlines()]
+        midlines = all(trial["seen"] == "midline" for trial in trials)
+        if midlines and set(header["plants"]) == set(DRAWN_PLANTS):
+            found.append(Series(seed, header["commit"], tuple(_outcome(trial) for trial in trials)))
+    return sorted(found, key=lambda series: -series.seed)
+
+
+def _outcome(trial: dict) -> Outcome:
+    answer = {**trial["answer"], "cosines": {}}
+    answer["confidence"] = tempered(answer["uncalibrated"])
+    more = {"baselines": {}, "seconds": trial["seconds"]}
+    return scored(trial["index"], trial["truth"], trial["seen"], answer, **more)
+
+
+def counted(outcomes: Sequence[Outcome]) -> dict[str, Share]:
+    """Right answers of each kind; with effects those whose R is VISIBLE or more."""
+    return {kind: share(outcomes, kind, lambda o: o.hit, VISIBLE) for kind in KINDS}
+
+
+def table(series: Sequence[Series]) -> Iterator[str]:
+    """The lines of the table in Markdown."""
+    yield f"| seed | commit | {' | '.join(KINDS.values())} | stated, right | processor time: median, worst |"
+    yield "|---|---|---|---|---|---|---|---|"
+    for one in series:
+        seconds = [o.seconds for o in one.outcomes]
+        stated, right = np.mean([(o.confidence, o.hit) for o in one.outcomes], axis=0)
+        link = f"[{one.seed}](../benchmarks/results/blind_{one.seed}.jsonl)"
+        counts = " | ".join(_words(found) for found in counted(one.outcomes).values())
+        times = f"{np.median(seconds):.0f}, {max(seconds):.0f} s"
+        yield f"| {link} | {one.commit[:8]} | {counts} | {_short(stated)}, {_short(right)} | {times} |"
+    together = [o for one in series for o in one.outcomes]
+    counts = " | ".join(f"{_words(found)} ({_interval(found)})" for found in counted(together).values())
+    stated, right = np.mean([(o.confidence, o.hit) for o in together], axis=0)
+    yield f"| together | | {counts} | {_short(stated)}, {_short(right)} | |"
+
+
+def misses(series: Sequence[Series]) -> Iterator[str]:
+    """A line of Markdown for each wrong answer where R is VISIBLE or more."""
+    for kind, words in KINDS.items():
+        lines = [
+            f"  {one.seed}, {o.index}: {_hidden(o)}: {_answer(o)}"
+            for one in series
+            for o in one.outcomes
+            if o.kind == kind and not o.hit and (kind in ("null", "unknown") or o.smallest_r >= VISIBLE)
+        ]
+        if lines:
+            yield f"- **{words}** (seed, trial: what was hidden, by which law, its R: the answer)"
+            yield from (f"  - {line.strip()}" for line in lines)
+
+
+def _hidden(o: Outcome) -> str:
+    parts = zip(o.hidden, o.r, strict=False)
+    return " and ".join(f"`{name}` ({o.laws.get(name, name)}, {r:.1f})" for name, r in parts) or "a force"
+
+
+def _answer(o: Outcome) -> str:
+    words = {"effect": " and ", "group": " or "}.get(o.verdict)
+    named = o.verdict.replace("_", " ") if words is None else words.join(f"`{name}`" for name in o.named)
+    return f"{named} ({_short(o.confidence)})"
+
+
+def _words(found: Share) -> str:
+    return f"{found.hits} of {found.count}" if found.count else "-"
+
+
+def _interval(found: Share) -> str:
+    return " to ".join(_short(end) for end in found.interval)
+
+
+def _short(value: float) -> str:
+    return f"{value:.2f}".removeprefix("0")
+
+
+def shown() -> str:
+    """What stands between the marks of the page."""
+    series = all_series()
+    return "\n".join([*table(series), "", *misses(series)])
+
+
+def page_with(text: str, shown_now: str) -> str:
+    """The page with this between its marks."""
+    before, rest = text.split(BEGIN)
+    return f"{before}{BEGIN}\n{shown_now}\n{END}{rest.split(END)[1]}"
+
+
+def main() -> None:
+    """Print, or write into the page."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--write", action="store_true", help="put the table and the list into docs/loop_trials.md")
+    if parser.parse_args().write:
+        PAGE.write_text(page_with(PAGE.read_text(), shown()))
+    else:
+        print(shown())
+
+
+if __name__ == "__main__":
+    main()
