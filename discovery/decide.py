@@ -182,7 +182,8 @@ def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
 def _gained_in_doubt(best: Hypothesis, base: Hypothesis, hypotheses: Iterable[Hypothesis]) -> float:
     """G [nats]: what the best set gains by laws whose form may differ."""
     exact = {name for name in best.effects if catalogue()[name].has_exact_form}
-    by_exact = max(float(h.log_evidence.max()) for h in hypotheses if set(h.effects) <= exact)
+    within = (h for h in hypotheses if set(h.effects) <= exact and not stands_at_bound(h))
+    by_exact = max(float(h.log_evidence.max()) for h in within)
     nothing, everything = float(base.log_evidence.max()), float(best.log_evidence.max())
     return everything - by_exact + min(1.0, (best.share / DECLARED_FORM) ** 2) * (by_exact - nothing)
 
