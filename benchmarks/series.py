@@ -84,17 +84,21 @@ def table(series: Sequence[Series]) -> Iterator[str]:
 
 
 def misses(series: Sequence[Series]) -> Iterator[str]:
-    """A line of Markdown for each wrong answer where R is VISIBLE or more."""
+    """A list in Markdown of the wrong answers of each kind where R is VISIBLE or more."""
     for kind, words in KINDS.items():
         lines = [
-            f"  {one.seed}, {o.index}: {_hidden(o)}: {_answer(o)}"
+            f"- {one.seed}, {o.index}: {_hidden(o)}: {_answer(o)}"
             for one in series
             for o in one.outcomes
             if o.kind == kind and not o.hit and (kind in ("null", "unknown") or o.smallest_r >= VISIBLE)
         ]
         if lines:
-            yield f"- **{words}** (seed, trial: what was hidden, by which law, its R: the answer)"
-            yield from (f"  - {line.strip()}" for line in lines)
+            yield from (
+                f"Wrong, {words} (seed, trial: what was hidden, by which law, its R: the answer):",
+                "",
+                *lines,
+                "",
+            )
 
 
 def _hidden(o: Outcome) -> str:
@@ -123,7 +127,7 @@ def _short(value: float) -> str:
 def shown() -> str:
     """What stands between the marks of the page."""
     series = all_series()
-    return "\n".join([*table(series), "", *misses(series)])
+    return "\n".join([*table(series), "", *misses(series)]).strip()
 
 
 def page_with(text: str, shown_now: str) -> str:
