@@ -22,7 +22,6 @@ from benchmarks._figure_rows import FIVE, ROWS, WHY
 
 ROOT = Path(__file__).parents[1]
 README, MEASURED, KEPT = ROOT / "README.md", ROOT / "docs" / "measured.md", ROOT / "docs" / "figures.json"
-BEGIN, END = "<!-- figures -->", "<!-- /figures -->"
 COMMITS = "commits"  # in docs/figures.json: benchmark -> commit
 IN_PARTS = ("first_hour", "vision")  # what was measured before and is not now stays
 ELSEWHERE = {"hostile": "make hostile"}  # not in benchmarks/
@@ -76,13 +75,13 @@ def _with_unit(value: float, unit: str) -> str:
     return f"{_shown(value)} {unit}".rstrip()
 
 
-def with_rows(page: str, rows: str) -> str:
+def with_rows(page: str, rows: str, mark: str = "figures") -> str:
     """The page with what stands between its marks made anew. ValueError where the marks are missing."""
-    before, begin, rest = page.partition(BEGIN)
-    _, end, after = rest.partition(END)
+    before, begin, rest = page.partition(f"<!-- {mark} -->")
+    _, end, after = rest.partition(f"<!-- /{mark} -->")
     if not begin or not end:
-        raise ValueError(f"the page lacks {BEGIN} or {END}")
-    return f"{before}{BEGIN}\n{rows}\n{END}{after}"
+        raise ValueError(f"the page lacks the marks of {mark}")
+    return f"{before}{begin}\n{rows}\n{end}{after}"
 
 
 def kept() -> dict[str, dict[str, Any]]:

@@ -19,14 +19,15 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from benchmarks.readme_table import with_rows
 from discovery.calibration import tempered
 from validation.trials.outcome import Outcome, scored
 from validation.trials.plant_design import DRAWN_PLANTS
-from validation.trials.scores import VISIBLE, Share, share
+from validation.trials.scores import VISIBLE, Share, counting, share
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "loop_trials.md"
-BEGIN, END = "<!-- series -->", "<!-- /series -->"
+MARK = "series"
 FIRST_SEED = 1_200_001
 KINDS = {"single": "one effect", "null": "nothing hidden", "unknown": "outside", "pair": "two effects"}
 
@@ -47,7 +48,7 @@ def all_series(folder: Path = ROOT / "benchmarks" / "results") -> list[Series]:
         seed = int(file.stem.removeprefix("blind_"))
         if seed < FIRST_SEED:
             continue
-        header, *trials = [json.loads(line) for line in file.read_text().splitlines()]
+        header, *trials = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
         midlines = all(trial["seen"] == "midline" for trial in trials)
         if midlines and set(header["plants"]) == set(DRAWN_PLANTS):
             found.append(Series(seed, header["commit"], tuple(_outcome(trial) for trial in trials)))
@@ -72,15 +73,13 @@ def table(series: Sequence[Series]) -> Iterator[str]:
     yield "|---|---|---|---|---|---|---|---|"
     for one in series:
         seconds = [o.seconds for o in one.outcomes]
-        stated, right = np.mean([(o.confidence, o.hit) for o in one.outcomes], axis=0)
         link = f"[{one.seed}](../benchmarks/results/blind_{one.seed}.jsonl)"
         counts = " | ".join(_words(found) for found in counted(one.outcomes).values())
         times = f"{np.median(seconds):.0f}, {max(seconds):.0f} s"
-        yield f"| {link} | {one.commit[:8]} | {counts} | {_short(stated)}, {_short(right)} | {times} |"
+        yield f"| {link} | {one.commit[:8]} | {counts} | {_stated_and_right(one.outcomes)} | {times} |"
     together = [o for one in series for o in one.outcomes]
     counts = " | ".join(f"{_words(found)} ({_interval(found)})" for found in counted(together).values())
-    stated, right = np.mean([(o.confidence, o.hit) for o in together], axis=0)
-    yield f"| together | | {counts} | {_short(stated)}, {_short(right)} | |"
+    yield f"| together | | {counts} | {_stated_and_right(together)} | |"
 
 
 def misses(series: Sequence[Series]) -> Iterator[str]:
@@ -89,8 +88,8 @@ def misses(series: Sequence[Series]) -> Iterator[str]:
         lines = [
             f"- {one.seed}, {o.index}: {_hidden(o)}: {_answer(o)}"
             for one in series
-            for o in one.outcomes
-            if o.kind == kind and not o.hit and (kind in ("null", "unknown") or o.smallest_r >= VISIBLE)
+            for o in counting(one.outcomes, kind, VISIBLE)
+            if not o.hit
         ]
         if lines:
             yield from (
@@ -102,14 +101,19 @@ def misses(series: Sequence[Series]) -> Iterator[str]:
 
 
 def _hidden(o: Outcome) -> str:
-    parts = zip(o.hidden, o.r, strict=False)
-    return " and ".join(f"`{name}` ({o.laws.get(name, name)}, {r:.1f})" for name, r in parts) or "a force"
+    parts = zip(o.hidden, o.r, strict=True)
+    return " and ".join(f"`{name}` ({o.laws[name]}, {r:.1f})" for name, r in parts) or "nothing"
 
 
 def _answer(o: Outcome) -> str:
     words = {"effect": " and ", "group": " or "}.get(o.verdict)
     named = o.verdict.replace("_", " ") if words is None else words.join(f"`{name}`" for name in o.named)
     return f"{named} ({_short(o.confidence)})"
+
+
+def _stated_and_right(outcomes: Sequence[Outcome]) -> str:
+    stated, right = np.mean([(o.confidence, o.hit) for o in outcomes], axis=0)
+    return f"{_short(stated)}, {_short(right)}"
 
 
 def _words(found: Share) -> str:
@@ -130,18 +134,12 @@ def shown() -> str:
     return "\n".join([*table(series), "", *misses(series)]).strip()
 
 
-def page_with(text: str, shown_now: str) -> str:
-    """The page with this between its marks."""
-    before, rest = text.split(BEGIN)
-    return f"{before}{BEGIN}\n{shown_now}\n{END}{rest.split(END)[1]}"
-
-
 def main() -> None:
     """Print, or write into the page."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--write", action="store_true", help="put the table and the list into docs/loop_trials.md")
     if parser.parse_args().write:
-        PAGE.write_text(page_with(PAGE.read_text(), shown()))
+        PAGE.write_text(with_rows(PAGE.read_text(encoding="utf-8"), shown(), MARK), encoding="utf-8")
     else:
         print(shown())
 

@@ -4,6 +4,7 @@
     P(set, else  | y) ~ ELSE P(set | else)  int (1 - k(a, r)) evidence(set, a, T)^(1/T) d log a
     k = exp(-a^2 / 2 s^2 - r^2 / 2 q^2),  s^2 = d^2 + (FORM a_0)^2,  q^2 = b^2 + (FORM r_0)^2
     T = max(1 + min(FORM_ALIKE^2 G, D), 1 + DECLARED_ALIKE^2 M / odds(1), 1 + ANOTHER_DAY (T_b - 1))
+    G = E(best) - E(exact) + min(1, (a / DECLARED_FORM)^2) (E(exact) - E(none)),        E: log evidence
     T_b = max over sets of B(set) / odds(set)
     odds(set) = log P(none) - log P(set)
 
@@ -19,10 +20,10 @@ An error of form can also look like another effect: of the G nats that the best 
 FORM_ALIKE^2 G, and no more than the D nats by which the residual of the best set's model alone exceeds its noise. The
 likelihood is therefore coarsened by T (Miller and Dunson 2019, Robust Bayesian inference via coarsening). Newton's law
 of a rigid body and geometry have no form to be in doubt of. Beside a payload only the arm's own laws can err, and the
-share a of unknown forces beside the best set says how far they do: of what such effects gain, min(1, (a /
-DECLARED_FORM)^2) counts in G. What is known of the set-up does not depend on the form of laws, and is not coarsened: in
-evidence(set, a, T) the prior variance of the camera's pose is T times smaller (inference.pose). A baseline measures the
-errors of form: there a set would gain B(set) nats, although none acts, and with T_b no set is named. In another
+share a of unknown forces beside the best set says how far they do. So of what the best set's exact effects gain by
+themselves, a part counts in G. What is known of the set-up does not depend on the form of laws, and is not coarsened:
+in evidence(set, a, T) the prior variance of the camera's pose is T times smaller (inference.pose). A baseline measures
+the errors of form: there a set would gain B(set) nats, although none acts, and with T_b no set is named. In another
 recording they look like effects by other amounts: of two recordings the second has the larger gain as often as the
 first. The largest of some eight independent squares exceeds ANOTHER_DAY times another such largest one in a case of
 twenty. The declared laws may err by a share DECLARED_ALIKE of the motion that looks like an effect: in M nats of motion

@@ -37,9 +37,14 @@ class Share:
         return float(found.low), float(found.high)
 
 
+def counting(outcomes: Sequence[Outcome], kind: str, least_r: float = 0.0) -> list[Outcome]:
+    """The trials of a kind whose hidden effects all have R >= least_r; all of those that hide none of the catalogue."""
+    return [o for o in outcomes if o.kind == kind and (kind in ("null", "unknown") or o.smallest_r >= least_r)]
+
+
 def share(outcomes: Sequence[Outcome], kind: str, right: Callable[[Outcome], bool], least_r: float = 0.0) -> Share:
-    """Of the trials of a kind whose hidden effects all have R >= least_r: how many are right."""
-    chosen = [right(o) for o in outcomes if o.kind == kind and (kind in ("null", "unknown") or o.smallest_r >= least_r)]
+    """Of these trials of a kind: how many are right."""
+    chosen = [right(o) for o in counting(outcomes, kind, least_r)]
     return Share(sum(chosen), len(chosen))
 
 
