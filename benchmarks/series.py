@@ -4,6 +4,8 @@ python benchmarks/series.py [--write]
 
 --write puts both between the marks of docs/loop_trials.md. In series before FIRST_SEED the R of arms that carry water
 was wrong (docs/loop_trials.md). The confidence is stated with the present temperature. "right" counts trials of any R.
+Of two effects, R is that of each by itself; "both seen" counts those of which each has R >= 1 beside the other too
+(benchmarks/beside.py).
 """
 
 from __future__ import annotations
@@ -11,8 +13,8 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -23,9 +25,12 @@ from benchmarks.readme_table import with_rows
 from discovery.calibration import tempered
 from validation.trials.outcome import Outcome, scored
 from validation.trials.plant_design import DRAWN_PLANTS
+from validation.trials.rounds import TRIAL_KINDS
 from validation.trials.scores import VISIBLE, Share, counting, share
 
 ROOT = Path(__file__).resolve().parents[1]
+RESULTS = ROOT / "benchmarks" / "results"
+BESIDE = RESULTS / "beside.jsonl"
 PAGE = ROOT / "docs" / "loop_trials.md"
 MARK = "series"
 FIRST_SEED = 1_200_001
@@ -34,16 +39,33 @@ KINDS = {"single": "one effect", "null": "nothing hidden", "unknown": "outside",
 
 @dataclass(frozen=True)
 class Series:
-    """One series: its seed, the commit that made it, and every trial that ended."""
+    """One series: its seed, the commit that made it, every trial that ended, and the kinds that were drawn.
+
+    beside: index of a trial that hides two effects -> R of each beside the other.
+    """
 
     seed: int
     commit: str
     outcomes: tuple[Outcome, ...]
+    kinds: tuple[str, ...] = TRIAL_KINDS
+    beside: Mapping[int, tuple[float, ...]] = field(default_factory=dict)
+
+    @property
+    def both_seen(self) -> list[Outcome]:
+        """The trials that hide two effects, of which each is VISIBLE by itself and beside the other."""
+        pairs = counting(self.outcomes, "pair", VISIBLE)
+        return [o for o in pairs if min(self.beside.get(o.index, (0.0,))) >= VISIBLE]
 
 
-def all_series(folder: Path = ROOT / "benchmarks" / "results") -> list[Series]:
+def read_beside() -> dict[tuple[int, int], list[float]]:
+    """(Seed, index) -> R of each of two hidden effects beside the other; empty where none was measured."""
+    lines = BESIDE.read_text(encoding="utf-8").splitlines()[1:] if BESIDE.exists() else []
+    return {(row["seed"], row["index"]): row["beside"] for row in map(json.loads, lines)}
+
+
+def all_series(folder: Path = RESULTS) -> list[Series]:
     """The series of midlines in the two plants that are drawn by default, the latest first."""
-    found = []
+    found, measured = [], read_beside()
     for file in folder.glob("blind_*.jsonl"):
         seed = int(file.stem.removeprefix("blind_"))
         if seed < FIRST_SEED:
@@ -51,7 +73,10 @@ def all_series(folder: Path = ROOT / "benchmarks" / "results") -> list[Series]:
         header, *trials = [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines()]
         midlines = all(trial["seen"] == "midline" for trial in trials)
         if midlines and set(header["plants"]) == set(DRAWN_PLANTS):
-            found.append(Series(seed, header["commit"], tuple(_outcome(trial) for trial in trials)))
+            beside = {index: tuple(r) for (of, index), r in measured.items() if of == seed}
+            outcomes = tuple(_outcome(trial) for trial in trials)
+            kinds = tuple(header.get("kinds", TRIAL_KINDS))
+            found.append(Series(seed, header["commit"], outcomes, kinds, beside))
     return sorted(found, key=lambda series: -series.seed)
 
 
@@ -69,16 +94,19 @@ def counted(outcomes: Sequence[Outcome]) -> dict[str, Share]:
 
 def table(series: Sequence[Series]) -> Iterator[str]:
     """The lines of the table in Markdown."""
-    yield f"| seed | commit | {' | '.join(KINDS.values())} | stated, right | processor time: median, worst |"
-    yield "|---|---|---|---|---|---|---|---|"
+    kinds = " | ".join(KINDS.values())
+    yield f"| seed | commit | {kinds} | both seen | stated, right | processor time: median, worst |"
+    yield "|---|---|---|---|---|---|---|---|---|"
     for one in series:
         seconds = [o.seconds for o in one.outcomes]
         link = f"[{one.seed}](../benchmarks/results/blind_{one.seed}.jsonl)"
-        counts = " | ".join(_words(found) for found in counted(one.outcomes).values())
+        counts = " | ".join(_words(found) for found in (*counted(one.outcomes).values(), _hits(one.both_seen)))
         times = f"{np.median(seconds):.0f}, {max(seconds):.0f} s"
         yield f"| {link} | {one.commit[:8]} | {counts} | {_stated_and_right(one.outcomes)} | {times} |"
     together = [o for one in series for o in one.outcomes]
-    counts = " | ".join(f"{_words(found)} ({_interval(found)})" for found in counted(together).values())
+    both_seen = _hits([o for one in series for o in one.both_seen])
+    found = (*counted(together).values(), both_seen)
+    counts = " | ".join(f"{_words(share)} ({_interval(share)})" for share in found)
     yield f"| together | | {counts} | {_stated_and_right(together)} | |"
 
 
@@ -86,23 +114,34 @@ def misses(series: Sequence[Series]) -> Iterator[str]:
     """A list in Markdown of the wrong answers of each kind where R is VISIBLE or more."""
     for kind, words in KINDS.items():
         lines = [
-            f"- {one.seed}, {o.index}: {_hidden(o)}: {_answer(o)}"
+            f"- {one.seed}, {o.index}: {_hidden(o, one.beside.get(o.index, ()))}: {_answer(o)}"
             for one in series
             for o in counting(one.outcomes, kind, VISIBLE)
             if not o.hit
         ]
         if lines:
             yield from (
-                f"Wrong, {words} (seed, trial: what was hidden, by which law, its R: the answer):",
+                f"Wrong, {words} (seed, trial: what was hidden, by which law, its R{_besides(kind)}: the answer):",
                 "",
                 *lines,
                 "",
             )
 
 
-def _hidden(o: Outcome) -> str:
-    parts = zip(o.hidden, o.r, strict=True)
-    return " and ".join(f"`{name}` ({o.laws[name]}, {r:.1f})" for name, r in parts) or "nothing"
+def _besides(kind: str) -> str:
+    return "; its R beside the other" if kind == "pair" else ""
+
+
+def _hidden(o: Outcome, beside: Sequence[float]) -> str:
+    seen = (
+        [f"{r:.1f}; {other:.1f}" for r, other in zip(o.r, beside, strict=True)] if beside else [f"{r:.1f}" for r in o.r]
+    )
+    parts = zip(o.hidden, seen, strict=True)
+    return " and ".join(f"`{name}` ({o.laws[name]}, {r})" for name, r in parts) or "nothing"
+
+
+def _hits(outcomes: Sequence[Outcome]) -> Share:
+    return Share(sum(o.hit for o in outcomes), len(outcomes))
 
 
 def _answer(o: Outcome) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 from affine_model.curvature import Array
 from inference.measured_shapes import Tracker, fit_shapes, from_track
 from inference.observation import POSE
+from inference.trajectory import Problem
 from tentacle.io.model_file import model_tables
 from tentacle.model import Estimate, Model
 from tentacle.recording import Camera, Recording
@@ -37,7 +38,7 @@ def plant_recording(design: PlantDesign) -> tuple[Recording, dict[str, Any]]:
     The truth has the R of each hidden effect by itself: rms of the whitened residual after refitting the base.
     FloatingPointError where the plant runs away.
     """
-    trial, plant = _arm(design)
+    trial, plant = arm_of_trial(design)
     run = shown(trial, plant)
     recording = _seen(design, trial, run)
     root = _middling_root(recording, run) if design.seen == "video" else None
@@ -52,14 +53,14 @@ def plant_baseline(design: PlantDesign) -> list[Recording]:
     """The recording of the same arm on another day, with nothing hidden; none where the arm has no own laws."""
     if not design.own:
         return []
-    trial, plant = _arm(design)
+    trial, plant = arm_of_trial(design)
     other = repeated(trial)
     recording = _seen(design, other, shown(other, plant))
     return [replace(recording, name=f"baseline_{design.index:04d}")]
 
 
 @lru_cache(maxsize=1)  # of a trial's recording and its baseline: the sizes of own laws take several runs
-def _arm(design: PlantDesign) -> tuple[Trial, Plant]:
+def arm_of_trial(design: PlantDesign) -> tuple[Trial, Plant]:
     """The trial, with the arm's own laws, and its plant."""
     trial = design.trial()
     plant = PLANTS[design.plant](trial)
@@ -110,25 +111,36 @@ def _sizes(design: PlantDesign, trial: Trial, plant: Plant, run: Shown, root: Ar
     """
     if not run.hidden:
         return []
-    problem, nuisances = bare_problem(_as_model(design, trial), root)
+    problem, nuisances = sizing_problem(design, trial, root)
+    sizes = []
+    for one in run.hidden:
+        xy = run.xy if len(run.hidden) == 1 else film(trial, plant, (one,))[0]
+        sizes.append(left_by_refit(problem, nuisances, change_seen(problem, trial, run, (run.bare, xy))))
+    return sizes
+
+
+def sizing_problem(design: PlantDesign, trial: Trial, root: Array | None = None) -> tuple[Problem, Array]:
+    """The trial's bare arm in the reduced model, seen without noise, and its nuisances; root (K, K): of a track."""
+    return bare_problem(_as_model(design, trial), root)
+
+
+def change_seen(problem: Problem, trial: Trial, run: Shown, midlines: tuple[Array, Array]) -> Array:
+    """Whitened shapes (T, K) of the first of two midlines (T, P, 2) [m] of a run minus those of the second, at the
+    problem's times.
+    """
     (experiment,) = problem.experiments
     observation = experiment.observation.shapes
     assert observation is not None
     frames = np.rint(observation.t * FRAME_RATE).astype(int)
     theta, length, order = run.command[frames], trial.arm["length"], observation.coefficients.shape[1] - POSE
-
-    tracker = Tracker(trial.sigma, by_edges=root is not None)
+    tracker = Tracker(trial.sigma, by_edges=observation.tracked)
 
     def seen(xy: Array) -> Array:
         points = Midline(observation.t, PLACES, xy[frames], np.full((frames.size, PLACES.size), trial.sigma))
         return fit_shapes(points, theta, length, order, tracker).coefficients
 
-    bare, sizes = seen(run.bare), []
-    for one in run.hidden:
-        xy = run.xy if len(run.hidden) == 1 else film(trial, plant, (one,))[0]
-        rows = np.einsum("tkl,tl->tk", observation.root, bare - seen(xy))
-        sizes.append(left_by_refit(problem, nuisances, rows))
-    return sizes
+    first, second = midlines
+    return np.einsum("tkl,tl->tk", observation.root, seen(first) - seen(second))
 
 
 def _as_model(design: PlantDesign, trial: Trial) -> Design:
