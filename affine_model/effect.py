@@ -152,11 +152,6 @@ class Effect:
         return tuple(parameter for parameter in self.parameters if not parameter.scan)
 
     @property
-    def has_exact_form(self) -> bool:
-        """Whether its law has no form to be in doubt of: Newton's law of a rigid body, or geometry."""
-        return any(law is not None for law in (self.hung_mass, self.payload_shift, self.gravity_tilt, self.sight))
-
-    @property
     def remembers(self) -> bool:
         """Whether its law sees x.memory."""
         return self.relaxation_time is not None or self.yield_curvature is not None

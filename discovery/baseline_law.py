@@ -8,7 +8,7 @@ a soft spot or a drift of the baseline is none.
 
 A law that was taken must raise the evidence of the baseline's recordings by as much, and stand at no bound. Its form is
 known as roughly as that of any law that is added: the model with it leaves a share of FORM of what it explains, and of
-the nats that it gains an effect that it resembles may gain FORM_ALIKE^2 (discovery.decide).
+the nats that it gains an effect that it resembles may gain f^2 (discovery.decide).
 
 A baseline that moves little shows little. So a recording may show a law of this kind that acts in the baseline too.
 Where the answer is such laws alone, they are taken as the arm's own if all recordings together are likelier with them
@@ -77,7 +77,8 @@ class BaselineError:
     def beside(self, without: BaselineError) -> BaselineError:
         """The same where laws were taken, without which it was another: their form is known like that of added laws."""
         share, rest = float(np.hypot(self.share, FORM * without.share)), self.rest + FORM**2 * without.rest
-        alike = added_coarsening(self.evidence - without.evidence, self.structured)
+        gained, left = self.evidence - without.evidence, self.share / without.share
+        alike = added_coarsening(gained, self.structured, left)
         return replace(self, share=share, rest=rest, coarsening=max(self.coarsening, alike))
 
 

@@ -11,7 +11,7 @@ from discovery.decide import FORM, Missing, PosteriorDecision
 from discovery.predictive_check import is_withdrawn, mass_of_else, predictive_words, unpredicted
 from inference.posterior import declared_model
 
-MISSING = Missing(share=0.1, rest=100.0, gained=500.0, structured=10.0, declared=0.003)
+MISSING = Missing(share=0.1, rest=100.0, gained=500.0, left=0.1, structured=10.0, declared=0.003)
 
 
 @pytest.fixture(scope="module")
