@@ -1,10 +1,10 @@
-"""R of each of two hidden effects beside the other, for the committed blind midlines that hide two.
+"""R of each of two hidden effects beside the other, for the committed blind midlines whose answer lacks one of the two.
 
 python benchmarks/beside.py
 
-Trials that benchmarks/results/beside.jsonl already has stay; every other one is made again from its seed and measured
-(validation.trials.beside), half a minute of processor time each. The first line is the commit that made the last of
-them.
+Trials that benchmarks/results/beside.jsonl already has stay (some right ones too, to compare); every other one is made
+again from its seed and measured (validation.trials.beside), half a minute of processor time each. The first line is the
+commit that made the last of them.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ from validation.trials.scores import VISIBLE, counting
 
 
 def unmeasured(series: Series) -> Iterator[int]:
-    """Indices of the pairs of R >= VISIBLE that are not measured yet."""
-    return (o.index for o in counting(series.outcomes, "pair", VISIBLE) if o.index not in series.beside)
+    """Indices of the wrongly answered pairs of R >= VISIBLE that are not measured yet."""
+    pairs = counting(series.outcomes, "pair", VISIBLE)
+    return (o.index for o in pairs if not o.hit and o.index not in series.beside)
 
 
 def measured(series: Series) -> Iterator[dict[str, Any]]:

@@ -4,7 +4,7 @@ python benchmarks/series.py [--write]
 
 --write puts both between the marks of docs/loop_trials.md. In series before FIRST_SEED the R of arms that carry water
 was wrong (docs/loop_trials.md). The confidence is stated with the present temperature. "right" counts trials of any R.
-Of two effects, R is that of each by itself; "both seen" counts those of which each has R >= 1 beside the other too
+Of two effects, R is that of each by itself; where the answer is wrong, R of each beside the other is shown too
 (benchmarks/beside.py).
 """
 
@@ -50,12 +50,6 @@ class Series:
     kinds: tuple[str, ...] = TRIAL_KINDS
     beside: Mapping[int, tuple[float, ...]] = field(default_factory=dict)
 
-    @property
-    def both_seen(self) -> list[Outcome]:
-        """The trials that hide two effects, of which each is VISIBLE by itself and beside the other."""
-        pairs = counting(self.outcomes, "pair", VISIBLE)
-        return [o for o in pairs if min(self.beside.get(o.index, (0.0,))) >= VISIBLE]
-
 
 def read_beside() -> dict[tuple[int, int], list[float]]:
     """(Seed, index) -> R of each of two hidden effects beside the other; empty where none was measured."""
@@ -94,19 +88,16 @@ def counted(outcomes: Sequence[Outcome]) -> dict[str, Share]:
 
 def table(series: Sequence[Series]) -> Iterator[str]:
     """The lines of the table in Markdown."""
-    kinds = " | ".join(KINDS.values())
-    yield f"| seed | commit | {kinds} | both seen | stated, right | processor time: median, worst |"
-    yield "|---|---|---|---|---|---|---|---|---|"
+    yield f"| seed | commit | {' | '.join(KINDS.values())} | stated, right | processor time: median, worst |"
+    yield "|---|---|---|---|---|---|---|---|"
     for one in series:
         seconds = [o.seconds for o in one.outcomes]
         link = f"[{one.seed}](../benchmarks/results/blind_{one.seed}.jsonl)"
-        counts = " | ".join(_words(found) for found in (*counted(one.outcomes).values(), _hits(one.both_seen)))
+        counts = " | ".join(_words(found) for found in counted(one.outcomes).values())
         times = f"{np.median(seconds):.0f}, {max(seconds):.0f} s"
         yield f"| {link} | {one.commit[:8]} | {counts} | {_stated_and_right(one.outcomes)} | {times} |"
     together = [o for one in series for o in one.outcomes]
-    both_seen = _hits([o for one in series for o in one.both_seen])
-    found = (*counted(together).values(), both_seen)
-    counts = " | ".join(f"{_words(share)} ({_interval(share)})" for share in found)
+    counts = " | ".join(f"{_words(found)} ({_interval(found)})" for found in counted(together).values())
     yield f"| together | | {counts} | {_stated_and_right(together)} | |"
 
 
@@ -133,15 +124,9 @@ def _besides(kind: str) -> str:
 
 
 def _hidden(o: Outcome, beside: Sequence[float]) -> str:
-    seen = (
-        [f"{r:.1f}; {other:.1f}" for r, other in zip(o.r, beside, strict=True)] if beside else [f"{r:.1f}" for r in o.r]
-    )
-    parts = zip(o.hidden, seen, strict=True)
-    return " and ".join(f"`{name}` ({o.laws[name]}, {r})" for name, r in parts) or "nothing"
-
-
-def _hits(outcomes: Sequence[Outcome]) -> Share:
-    return Share(sum(o.hit for o in outcomes), len(outcomes))
+    besides = [f"; {r:.1f}" for r in beside] or [""] * len(o.hidden)
+    parts = zip(o.hidden, o.r, besides, strict=True)
+    return " and ".join(f"`{name}` ({o.laws[name]}, {r:.1f}{other})" for name, r, other in parts) or "nothing"
 
 
 def _answer(o: Outcome) -> str:
