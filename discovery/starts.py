@@ -8,6 +8,7 @@ Where the first order misleads, some steps of a fit from every point decide (inf
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -134,21 +135,21 @@ def _plan(centre: Hypothesis, chosen: RankedSet) -> list[Array]:
         shapes.append(candidate.shapes)
     for values in shapes[:: max(1, -(-len(shapes) // SHAPES))]:
         at = replace(candidate, shapes=values)
-        for sized in _sizes(effect):
+        for sized in strength_grid(effect):
             plan.append(with_candidates(centre.fitted.parameters, [(at, sized)], 1.0))
         plan.append(with_candidates(centre.fitted.parameters, [(at, estimate)], 1.0))
     return plan
 
 
-def _sizes(effect: Effect) -> list[Array]:
-    """Strengths of the grid: each by itself in several sizes. Many are taken together: a step finds them all at once,
-    from whatever direction it begins.
+def strength_grid(effect: Effect, sizes: Sequence[float] = SIZES) -> list[Array]:
+    """Strengths of the grid: each by itself in several sizes, times its nominal one. Many are taken together: a step
+    finds them all at once, from whatever direction it begins.
     """
     count = len(effect.strengths)
     directions = np.eye(count) if count <= MOST_BY_THEMSELVES else np.ones((1, count))
     found = []
     for direction in directions:
-        for size in (*SIZES, *(-size for size in SIZES)):
+        for size in (*sizes, *(-size for size in sizes)):
             sized = size * direction * np.array([one.nominal for one in effect.strengths])
             if all(one.bounds[0] <= value <= one.bounds[1] for one, value in zip(effect.strengths, sized, strict=True)):
                 found.append(sized)

@@ -17,17 +17,17 @@ import numpy as np
 from affine_model.curvature import Array
 from affine_model.effect import Effect
 from affine_model.effects import catalogue
+from discovery.starts import strength_grid
 from inference.fit import Fit, fit
 from inference.multistart import fit_multistart
 from inference.trajectory import Problem
 from validation.plants import shown
 from validation.plants.filmed import film
 from validation.trials.plant_design import PlantDesign
-from validation.trials.plant_recording import arm_of_trial, change_seen, sizing_problem
+from validation.trials.plant_recording import arm_of_trial, sizing_problem, whitened_shapes
 
-SIZES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # of a strength, times its nominal size
-MOST_BY_THEMSELVES = 2  # strengths of a law, each of which the grid takes by itself
-KEPT = 4  # starts that are fitted roughly
+SIZES = (0.03, 0.1, 0.3, 1.0, 3.0, 10.0)  # of a strength, in nominal sizes: trials hide small ones too
+KEPT = 4  # starts that are fitted roughly: the best of the grid
 
 
 def sizes_beside(design: PlantDesign) -> list[float]:
@@ -40,13 +40,12 @@ def sizes_beside(design: PlantDesign) -> list[float]:
     if len(run.hidden) != 2:
         return []
     problem, nuisances = sizing_problem(design, trial)
-    alone = [film(trial, plant, (one,))[0] for one in run.hidden]
+    midlines = (run.bare, *(film(trial, plant, (one,))[0] for one in run.hidden), run.xy)
+    bare, first, second, both = (whitened_shapes(problem, trial, run, xy) for xy in midlines)
     found = []
-    for other in (1, 0):  # what stands beside the first, then beside the second
-        known = _fitted(
-            problem, nuisances, run.hidden[other].effect, change_seen(problem, trial, run, (run.bare, alone[other]))
-        )
-        found.append(_left(known, change_seen(problem, trial, run, (alone[other], run.xy))))
+    for other, alone in ((1, second), (0, first)):  # what stands beside the first, then beside the second
+        known = _fitted(problem, nuisances, run.hidden[other].effect, bare - alone)
+        found.append(_left(known, alone - both))
     return found
 
 
@@ -65,19 +64,11 @@ def _fitted(problem: Problem, nuisances: Array, effect: str, rows: Array) -> tup
 
 
 def starts_of(law: Effect) -> list[tuple[float, ...]]:
-    """Starts of a law's parameters in their order: its shapes where the law scans them, and one strength after the
-    other in several sizes, or all together where there are many.
-    """
-    count = len(law.strengths)
-    directions = np.eye(count) if count <= MOST_BY_THEMSELVES else np.ones((1, count))
+    """Starts of a law's parameters in their order: each of its shapes' values with each point of a grid of strengths."""
     found = []
-    for shapes in product(*(one.scan for one in law.shapes)):
-        values = dict(zip((one.name for one in law.shapes), shapes, strict=True))
-        for direction, size in product(directions, (*SIZES, *(-size for size in SIZES))):
-            for one, part in zip(law.strengths, direction, strict=True):
-                values[one.name] = part * size * one.nominal
-            if all(one.bounds[0] <= values[one.name] <= one.bounds[1] for one in law.parameters):
-                found.append(tuple(values[one.name] for one in law.parameters))
+    for shapes, strengths in product(product(*(one.scan for one in law.shapes)), strength_grid(law, SIZES)):
+        values = dict(zip(law.shapes, shapes, strict=True)) | dict(zip(law.strengths, strengths, strict=True))
+        found.append(tuple(float(values[one]) for one in law.parameters))
     return found
 
 

@@ -112,10 +112,10 @@ def _sizes(design: PlantDesign, trial: Trial, plant: Plant, run: Shown, root: Ar
     if not run.hidden:
         return []
     problem, nuisances = sizing_problem(design, trial, root)
-    sizes = []
+    bare, sizes = whitened_shapes(problem, trial, run, run.bare), []
     for one in run.hidden:
         xy = run.xy if len(run.hidden) == 1 else film(trial, plant, (one,))[0]
-        sizes.append(left_by_refit(problem, nuisances, change_seen(problem, trial, run, (run.bare, xy))))
+        sizes.append(left_by_refit(problem, nuisances, bare - whitened_shapes(problem, trial, run, xy)))
     return sizes
 
 
@@ -124,23 +124,17 @@ def sizing_problem(design: PlantDesign, trial: Trial, root: Array | None = None)
     return bare_problem(_as_model(design, trial), root)
 
 
-def change_seen(problem: Problem, trial: Trial, run: Shown, midlines: tuple[Array, Array]) -> Array:
-    """Whitened shapes (T, K) of the first of two midlines (T, P, 2) [m] of a run minus those of the second, at the
-    problem's times.
-    """
+def whitened_shapes(problem: Problem, trial: Trial, run: Shown, xy: Array) -> Array:
+    """Whitened shapes (T, K) of a midline (F, P, 2) [m] with the run's frames, at the problem's times."""
     (experiment,) = problem.experiments
     observation = experiment.observation.shapes
     assert observation is not None
     frames = np.rint(observation.t * FRAME_RATE).astype(int)
     theta, length, order = run.command[frames], trial.arm["length"], observation.coefficients.shape[1] - POSE
     tracker = Tracker(trial.sigma, by_edges=observation.tracked)
-
-    def seen(xy: Array) -> Array:
-        points = Midline(observation.t, PLACES, xy[frames], np.full((frames.size, PLACES.size), trial.sigma))
-        return fit_shapes(points, theta, length, order, tracker).coefficients
-
-    first, second = midlines
-    return np.einsum("tkl,tl->tk", observation.root, seen(first) - seen(second))
+    points = Midline(observation.t, PLACES, xy[frames], np.full((frames.size, PLACES.size), trial.sigma))
+    seen = fit_shapes(points, theta, length, order, tracker)
+    return np.einsum("tkl,tl->tk", observation.root, seen.coefficients)
 
 
 def _as_model(design: PlantDesign, trial: Trial) -> Design:
