@@ -64,7 +64,7 @@ def _fitted(problem: Problem, nuisances: Array, effect: str, rows: Array) -> tup
 
 
 def starts_of(law: Effect) -> list[tuple[float, ...]]:
-    """Starts of a law's parameters in their order: each of its shapes' values with each point of a grid of strengths."""
+    """Starts of a law's parameters in their order: its scanned shapes with each point of the grid of strengths."""
     found = []
     for shapes, strengths in product(product(*(one.scan for one in law.shapes)), strength_grid(law, SIZES)):
         values = dict(zip(law.shapes, shapes, strict=True)) | dict(zip(law.strengths, strengths, strict=True))
