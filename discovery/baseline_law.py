@@ -34,6 +34,7 @@ from affine_model.curvature import Array
 from affine_model.effects import catalogue
 from discovery.answer import MOST_EFFECTS
 from discovery.decide import (
+    DECLARED_FORM,
     FORM,
     MOST_DECLARED_FORM,
     added_coarsening,
@@ -47,7 +48,7 @@ from discovery.side_by_side import side_by_side
 from discovery.starts import with_candidates
 from inference.base_fit import Setting, rough_base_fit
 from inference.fit import Fit
-from inference.motion import motion_nats
+from inference.motion import motion_nats, motion_power
 from inference.posterior import FORCE_SHARES, Hypothesis, baseline_alone, with_rest
 from inference.prepare import CannotTellError
 from inference.trajectory import Problem
@@ -71,8 +72,12 @@ class BaselineError:
     structured: float
 
     def told(self, base: Hypothesis) -> Hypothesis:
-        """The declared model's hypothesis with what its baseline says."""
-        return replace(base, baseline_share=self.share, baseline_rest=self.rest, baseline_coarsening=self.coarsening)
+        """The declared model's hypothesis with what its baseline says. What a model leaves grows with the motion, and
+        is no less than laws leave that hold as well as any.
+        """
+        judged, there = (motion_power(base.problem, base.fitted, complete) for complete in (False, True))
+        rest = judged * max(self.rest / there if there > 0.0 else 0.0, DECLARED_FORM**2)
+        return replace(base, baseline_share=self.share, baseline_rest=rest, baseline_coarsening=self.coarsening)
 
     def beside(self, without: BaselineError) -> BaselineError:
         """The same where laws were taken, without which it was another: their form is known like that of added laws."""

@@ -11,10 +11,13 @@
 a is the share of the acting forces that no law of the set explains (inference.latent_force), with a prior that is flat
 in its logarithm. The form of a law is known only approximately. The declared laws therefore leave a share d of the
 acting forces: DECLARED_FORM, or what the baseline's recordings need by themselves; added laws leave a share of FORM of
-the force a_0 that is missing without them. r^2 is the residual that the set's model alone leaves, r_0^2 the one without
-the set, and b^2 the one that the declared model leaves in the baseline. "Something else" (ELSE) means that more is left
-than the forms allow. The set then only imitates it, and none, one, two and three effects are equally likely to do so
-best: P(set | else).
+the force a_0 that is missing without them. r^2 is the residual beyond noise that the set's model alone leaves in the
+recordings that are judged, and r_0^2 the one without the set, for which a_0 and r_0 in s and q are 0. b^2 is the
+residual that the declared model leaves in the baseline, times the motion's power over that in the baseline
+(inference.motion), or DECLARED_FORM^2 of the motion's power if that is more: a steady force of a share d could explain
+an error that the baseline has nothing like. Without a baseline b is not known, and the residual without a set says
+nothing. "Something else" (ELSE) means that more is left than the forms allow. The set then only imitates it, and none,
+one, two and three effects are equally likely to do so best: P(set | else).
 
 An error of form can also look like another effect: of the G nats that the best set gains, such an effect can gain f^2
 G, and no more than the D nats by which the residual of the best set's model alone exceeds its noise. f is at most
@@ -181,7 +184,7 @@ def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
     best = max((h for h in hypotheses if not stands_at_bound(h)), key=lambda h: float(h.log_evidence.max()))
     gained = float(best.log_evidence.max()) - float(base.log_evidence.max())
     told = (form, rest, base.baseline_coarsening, base.motion)
-    return Missing(base.share, base.rest, gained, best.share, best.structured, *told)
+    return Missing(base.share, base.rest_of_judged, gained, best.share, best.structured, *told)
 
 
 def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
@@ -190,9 +193,12 @@ def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
         return -np.inf, -np.inf
     shares, evidence = h.profile(missing.temperature)
     width = np.log(shares[1] / shares[0])
-    form = np.hypot(missing.declared, FORM * missing.share if h.effects else 0.0)
-    left = max(h.rest, 0.0) if h.effects and np.isfinite(h.rest) and missing.rest > 0.0 else 0.0
-    followed = -0.5 * left / (missing.declared_rest + FORM**2 * missing.rest) if left > 0.0 else 0.0
+    added = FORM if h.effects else 0.0
+    form = np.hypot(missing.declared, added * missing.share)
+    form_rest = missing.declared_rest + added**2 * max(missing.rest, 0.0)
+    left = max(h.rest_of_judged - h.noise_reach, 0.0) if np.isfinite(h.rest) else 0.0
+    # Without a baseline nothing is known of what the declared laws leave, and form_rest is 0 where nothing is added.
+    followed = -0.5 * left / form_rest if form_rest > 0.0 else 0.0
     known = -0.5 * (shares / form) ** 2
     anything = np.log(-np.expm1(np.minimum(known + followed, -1e-12)))
     known, anything = (p - np.logaddexp.reduce(p) - np.log(width) for p in (known, anything))

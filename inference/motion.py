@@ -1,9 +1,10 @@
-"""The motion that a recording shows, in nats: what a share of it could tell.
+"""The motion that a recording shows, in nats, which is what a share of it could tell, and in noise variances.
 
     nats = |w(y(u(t)) - y(mean u))|^2 / 2
+    power = mean of (y(u(t)) - y(mean u))^2 / sigma^2
 
 y: what the recording would show of the fitted run u(t); w: whitened by noise and by a share of unknown forces
-(inference.latent_force).
+(inference.latent_force); sigma: of the noise alone.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from affine_model.curvature import Array
 from inference.experiment import predict, whitened_residuals
 from inference.fit import Fit
 from inference.latent_force import LatentForce
@@ -20,13 +22,29 @@ from inference.trajectory import Problem
 
 def motion_nats(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...], share: float) -> float:
     """The nats of the motion in all recordings beside this share of unknown forces."""
+    moved = _moved(problem, fitted)
+    whitened = (force.filter(share).whiten(rows) for rows, force in zip(moved, forces, strict=True))
+    return sum(0.5 * float(np.sum(rows**2)) for rows in whitened)
+
+
+def motion_power(problem: Problem, fitted: Fit, complete: bool) -> float:
+    """The mean square of the motion [noise variances] in the recordings that are, or are not, declared complete; 0
+    where there are none.
+    """
+    moved = zip(problem.experiments, _moved(problem, fitted), strict=True)
+    seen = [rows[e.used].ravel() for e, rows in moved if e.complete == complete]
+    rows = np.concatenate([rows[rows != 0.0] for rows in seen] or [np.zeros(0)])
+    return float(np.mean(rows**2)) if rows.size else 0.0
+
+
+def _moved(problem: Problem, fitted: Fit) -> list[Array]:
+    """How far the fitted run is from its mean, in rows (T, K, 1) of each recording, whitened by noise."""
     known, parameters = problem.known(fitted.parameters)
-    total = 0.0
-    for experiment, nuisances, force in zip(known.experiments, fitted.nuisances, forces, strict=True):
+    found = []
+    for experiment, nuisances in zip(known.experiments, fitted.nuisances, strict=True):
         run = predict(known.arm, experiment, parameters[:, None], nuisances[:, None], known.step)
         q, theta = run.q[experiment.used], run.theta[experiment.used]
         at, turned = 0.0 * run.q + q.mean(axis=0), 0.0 * run.theta + theta.mean(axis=0)
         still = replace(run, q=at, theta=turned, motion=run.motion and run.motion.stopped())
-        moved = whitened_residuals(experiment, still) - whitened_residuals(experiment, run)
-        total += 0.5 * float(np.sum(force.filter(share).whiten(moved) ** 2))
-    return total
+        found.append(whitened_residuals(experiment, still) - whitened_residuals(experiment, run))
+    return found

@@ -44,7 +44,7 @@ class Hypothesis:
     yet). rest [noise variances]: mean square of its residual beyond noise (nan: not known yet), over so many rows;
     rest_in_time (C,): the same in pieces of about PIECE_FRAMES frames.
     baseline_share: of unknown forces that the complete recordings need by themselves (0: there is none). baseline_rest:
-    as rest, of these recordings alone.
+    as rest, that these recordings let expect in the others, which move more or less.
     baseline_coarsening: by which the likelihood must be coarsened so that no absent effect is named there.
     motion [nats]: of the motion seen, beside the smallest share of unknown forces (inference.motion; 0: not known).
     fitted_at: place among FORCE_SHARES of the share beside which it was fitted. poses: posterior of the camera's pose
@@ -72,7 +72,17 @@ class Hypothesis:
         """Nats by which the residual of the model alone exceeds what noise may leave; inf while it is not known."""
         if not np.isfinite(self.rest):
             return float("inf")
-        return 0.5 * self.rows * max(self.rest - NOISE_REACH * float(np.sqrt(2.0 / self.rows)), 0.0)
+        return 0.5 * self.rows * max(self.rest - self.noise_reach, 0.0)
+
+    @property
+    def rest_of_judged(self) -> float:
+        """The rest in the recordings that are not declared complete; in all of them where its pieces are not known."""
+        return float(np.mean(self.rest_in_time)) if self.rest_in_time.size else self.rest
+
+    @property
+    def noise_reach(self) -> float:
+        """The rest [noise variances] that noise may leave by chance."""
+        return NOISE_REACH * float(np.sqrt(2.0 / max(self.rows, 1)))
 
     @property
     def share(self) -> float:

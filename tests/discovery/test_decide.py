@@ -141,3 +141,21 @@ def test_what_the_baseline_leaves_too_does_not_speak_against_an_effect(made):
     # A baseline that leaves ten times as much in forces as a baseline may, counts a hundredth of its residual.
     worse = replace(made((), 0.05, 0.0), rest=4.0, rows=1000, baseline_share=0.5, baseline_rest=1.0)
     assert missing_of([worse]).declared_rest == pytest.approx(0.01, rel=1e-12)
+
+
+def test_nothing_is_missing_only_where_no_more_is_left_than_the_baseline_lets_expect(made):
+    """A steady force as small as the baseline's own explains any error, so that the forces alone say nothing."""
+
+    def decided(rest: float, baseline_rest: float):
+        base = replace(made((), 0.03, 0.0), rest=rest, rows=1000, baseline_share=0.03, baseline_rest=baseline_rest)
+        return decide_by_mass([base, replace(made(("camera_roll",), 0.03, 1.0), rest=1.0, rows=1000)])
+
+    assert decided(1.0, 1.0).verdict == "nothing_missing"
+    assert decided(4.0, 4.0).verdict == "nothing_missing"
+    assert decided(16.0, 1.0).verdict != "nothing_missing"
+    assert decided(16.0, 0.0).verdict == "nothing_missing"  # there is no baseline, or it leaves noise alone
+
+
+def test_the_judged_recordings_rest_is_not_thinned_by_a_baseline_that_is_followed(made):
+    both = replace(made((), 0.03, 0.0), rest=2.0, rows=1000, rest_in_time=np.array([3.0, 5.0]))
+    assert missing_of([both]).rest == 4.0
