@@ -1,9 +1,11 @@
 """What the loop says of real arms whose truth is known from outside: payloads, repeats, tendons, pressure.
 
-python benchmarks/real_arms.py --json FILE [--only beam|trunk|driven|pressure] [--trajectories N]
+python benchmarks/real_arms.py --json FILE [--only beam|payloads|trunk|driven|pressure]
+    [--trajectories N]
 
 Each case is one call of diagnose. A case is right where its verdict is the one that SOURCE.txt of the data supports:
-a payload of 52 g (beam) and of 100 g (trunk), nothing between repeats, something outside the catalogue where tendons or
+a payload of 52 g (beam) and of 100 g (trunk), other payloads that are simulated and added to a bare beam (payloads),
+nothing between repeats, something outside the catalogue where tendons or
 pressure move the arm. Data: TENTACLE_DATA; a set that is not there is left out and said so.
 """
 
@@ -14,8 +16,9 @@ import json
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -23,15 +26,21 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from discovery.diagnose import diagnose
 from tentacle.diagnosis import Diagnosis
+from tentacle.io.convert_data import convert_data
 from tentacle.io.external_data import data_folder
 from tentacle.io.pressure_arm import read_pressure_arms
+from tentacle.io.reading import read_recording
 from tentacle.io.silicone_beam import read_beam
 from tentacle.io.trunk_payload import read_decays, read_driven
 from tentacle.recording import Recording
+from validation.trials.design import designs
+from validation.trials.likeness import RealParts, likeness
+from validation.trials.recording import recording_with
 
 BEAM_TRUTH, TRUNK_TRUTH = 0.052, 0.100  # kg
 BEAM_WITHIN = 0.1  # of the truth
 TRUNK_RANGE = (0.070, 0.130)  # kg
+PAYLOADS = (0.005, 0.010, 0.020, 0.035, 0.052, 0.075, 0.102, 0.150)  # kg
 
 
 @dataclass(frozen=True)
@@ -54,6 +63,24 @@ def beam_cases(folder: Path) -> Iterator[Case]:
             yield Case(f"beam_load_{k}_on_bare_{j}", (loaded[k],), (bare[j],), "effect", BEAM_TRUTH)
     for k, j in ("ab", "ba"):
         yield Case(f"beam_bare_{k}_on_bare_{j}", (bare[k],), (bare[j],), "nothing_missing")
+
+
+def payload_cases(folder: Path) -> Iterator[Case]:
+    """Payloads on the tip's face: the MuJoCo reference's run with one, plus what the model leaves in a bare run. The
+    other bare run is the baseline.
+    """
+    with TemporaryDirectory() as kept:
+        convert_data("silicone_beam", folder.parent, Path(kept))
+        paths = {k: Path(kept) / f"beam_gravity_V2_{k}" for k in "ab"}
+        bare = {k: read_recording(path) for k, path in paths.items()}
+        for k, j in ("ab", "ba"):
+            real = RealParts(str(paths[k]), (str(paths[j]),))
+            like = replace(likeness(bare[k], with_own_errors=True), real=real)
+            (design,) = designs(1, 0, ("tip_mass",), (), like, ["single"])
+            for mass in PAYLOADS:
+                hidden = {"tip_mass": {"mass": mass, "reach": 0.0, "drop": 0.0}}
+                loaded = recording_with(design, hidden)[0]
+                yield Case(f"payload_{1e3 * mass:.0f}_g_in_{k}_on_{j}", (loaded,), (bare[j],), "effect", mass)
 
 
 def trunk_cases(folder: Path, count: int) -> Iterator[Case]:
@@ -101,12 +128,13 @@ def main() -> None:
     """Run the cases, print a line of each, write the figures."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, required=True)
-    parser.add_argument("--only", choices=["beam", "trunk", "driven", "pressure"])
+    parser.add_argument("--only", choices=["beam", "payloads", "trunk", "driven", "pressure"])
     parser.add_argument("--trajectories", type=int, default=4, help="of the trunk's decays of each payload (default 4)")
     arguments = parser.parse_args()
     data = data_folder()
     makers = {
         "beam": ("silicone_beam", beam_cases),
+        "payloads": ("silicone_beam", payload_cases),
         "trunk": ("trunk_payload", lambda folder: trunk_cases(folder, arguments.trajectories)),
         "driven": ("trunk_payload", driven_cases),
         "pressure": ("pressure_arm", pressure_cases),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -31,8 +32,17 @@ def trial_recording(design: Design) -> tuple[Recording, dict[str, Any]]:
 
     InputError where the arm cannot follow the motion.
     """
+    hidden, reached = sized(design, track_root(design) if design.sight.kind == "track" else None)
+    recording, truth = recording_with(design, hidden)
+    return recording, {"kind": design.kind, "r": reached, **truth}
+
+
+def recording_with(design: Design, hidden: Mapping[str, Mapping[str, float]]) -> tuple[Recording, dict[str, Any]]:
+    """The recording of a design with these parameters of hidden effects, and their truth.
+
+    InputError where the arm cannot follow the motion.
+    """
     model, sight = design.model(), design.sight
-    hidden, reached = sized(design, track_root(design) if sight.kind == "track" else None)
     recording, truth = make_recording(
         hidden,
         Scenario(
@@ -66,7 +76,7 @@ def trial_recording(design: Design) -> tuple[Recording, dict[str, Any]]:
         stated = np.nan if sight.stated is None else sight.stated
         sigma = np.full(recording.midline.sigma.shape, stated)
         recording = replace(recording, midline=replace(recording.midline, sigma=sigma))
-    return recording, {"kind": design.kind, "r": reached, **truth}
+    return recording, truth
 
 
 def _places(sight: Measurement) -> Array:
