@@ -1,12 +1,11 @@
 """What the loop says of real arms whose truth is known from outside: payloads, repeats, tendons, pressure.
 
-python benchmarks/real_arms.py --json FILE [--only beam|payloads|trunk|driven|pressure]
-    [--trajectories N]
+python benchmarks/real_arms.py --json FILE [--only KIND] [--trajectories N]
 
 Each case is one call of diagnose. A case is right where its verdict is the one that SOURCE.txt of the data supports:
 a payload of 52 g (beam) and of 100 g (trunk), other payloads that are simulated and added to a bare beam (payloads),
-nothing between repeats, something outside the catalogue where tendons or
-pressure move the arm. Data: TENTACLE_DATA; a set that is not there is left out and said so.
+nothing between repeats, something outside the catalogue where tendons or pressure move the arm. Data: TENTACLE_DATA;
+a set that is not there is left out and said so.
 """
 
 from __future__ import annotations

@@ -48,7 +48,7 @@ from discovery.side_by_side import side_by_side
 from discovery.starts import with_candidates
 from inference.base_fit import Setting, rough_base_fit
 from inference.fit import Fit
-from inference.motion import motion_nats, motion_power
+from inference.motion import motion_nats, motion_powers
 from inference.posterior import FORCE_SHARES, Hypothesis, baseline_alone, with_rest
 from inference.prepare import CannotTellError
 from inference.trajectory import Problem
@@ -75,7 +75,7 @@ class BaselineError:
         """The declared model's hypothesis with what its baseline says. What a model leaves grows with the motion, and
         is no less than laws leave that hold as well as any.
         """
-        judged, there = (motion_power(base.problem, base.fitted, complete) for complete in (False, True))
+        judged, there = motion_powers(base.problem, base.fitted)
         rest = judged * max(self.rest / there if there > 0.0 else 0.0, DECLARED_FORM**2)
         return replace(base, baseline_share=self.share, baseline_rest=rest, baseline_coarsening=self.coarsening)
 

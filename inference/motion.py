@@ -27,13 +27,19 @@ def motion_nats(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...], 
     return sum(0.5 * float(np.sum(rows**2)) for rows in whitened)
 
 
-def motion_power(problem: Problem, fitted: Fit, complete: bool) -> float:
-    """The mean square of the motion [noise variances] in the recordings that are, or are not, declared complete; 0
-    where there are none.
+def motion_powers(problem: Problem, fitted: Fit) -> tuple[float, float]:
+    """The mean square of the motion [noise variances] in the recordings that are judged, and in those that are declared
+    complete; 0 where there are none.
     """
-    moved = zip(problem.experiments, _moved(problem, fitted), strict=True)
-    seen = [rows[e.used].ravel() for e, rows in moved if e.complete == complete]
-    rows = np.concatenate([rows[rows != 0.0] for rows in seen] or [np.zeros(0)])
+    moved = [(e, rows[e.used].ravel()) for e, rows in zip(problem.experiments, _moved(problem, fitted), strict=True)]
+    judged, complete = (
+        np.concatenate([np.zeros(0), *(rows[rows != 0.0] for e, rows in moved if e.complete == wanted)])
+        for wanted in (False, True)
+    )
+    return _mean_square(judged), _mean_square(complete)
+
+
+def _mean_square(rows: Array) -> float:
     return float(np.mean(rows**2)) if rows.size else 0.0
 
 

@@ -153,7 +153,7 @@ def test_nothing_is_missing_only_where_no_more_is_left_than_the_baseline_lets_ex
     assert decided(1.0, 1.0).verdict == "nothing_missing"
     assert decided(4.0, 4.0).verdict == "nothing_missing"
     assert decided(16.0, 1.0).verdict != "nothing_missing"
-    assert decided(16.0, 0.0).verdict == "nothing_missing"  # there is no baseline, or it leaves noise alone
+    assert decided(16.0, 0.0).verdict == "nothing_missing"  # there is no baseline
 
 
 def test_the_judged_recordings_rest_is_not_thinned_by_a_baseline_that_is_followed(made):
