@@ -256,7 +256,7 @@ def _not_named(found: PosteriorSearch, decision: PosteriorDecision) -> list[str]
     temperature = missing_of(found.hypotheses).temperature
 
     def plausible(h: Hypothesis) -> float:
-        return float(h.evidence_at(temperature).max()) / temperature + log_prior_of_set(len(h.effects))
+        return h.highest(temperature) / temperature + log_prior_of_set(len(h.effects))
 
     told = []
     for h in found.hypotheses:
@@ -280,7 +280,7 @@ def _to_be_split(found: PosteriorSearch, decision: PosteriorDecision) -> tuple[H
         others = [h for h in found.hypotheses if h.effects != leading.effects and usable(h)]
         likeliest = sorted(others, key=lambda h: -max(log_masses(h, missing)))
         return leading, tuple(likeliest[: ACCOUNTS - 1])
-    single = sorted((h for h in found.hypotheses if len(h.effects) == 1), key=lambda h: -h.log_evidence.max())
+    single = sorted((h for h in found.hypotheses if len(h.effects) == 1), key=lambda h: -h.highest())
     return (single[0], tuple(single[1:ACCOUNTS])) if len(single) > 1 else (leading, ())
 
 
@@ -295,6 +295,6 @@ def _ranking(
         if name in refitted:
             h = refitted[name]
             error = midline_error(prepared, h.problem, h.fitted, is_held_out)
-            gain = float(h.log_evidence.max() - found.base.log_evidence.max())
+            gain = h.highest() - found.base.highest()
         rows.append(RankedEffect(name, float(gain), error, decision.masses.get(name, 0.0)))
     return tuple(sorted(rows, key=lambda row: (-row.probability, -row.score)))

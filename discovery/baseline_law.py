@@ -119,7 +119,7 @@ class Taken:
             raise CannotTellError(f"{' and '.join(self.laws)} does not act in all recordings")
 
     def _served(self, model: Hypothesis, least: float) -> bool:
-        return float(model.log_evidence.max()) >= least and not bounds_met(model.fitted, self.laws)
+        return model.highest() >= least and not bounds_met(model.fitted, self.laws)
 
 
 @dataclass(frozen=True)
@@ -141,10 +141,10 @@ def baseline_of(problem: Problem, nuisances: tuple[Array, ...], setting: Setting
     found = side_by_side([partial(baseline_alone, one, nuisances) for one in begins])
     if not found:
         raise CannotTellError("the runs of the declared model leave all bounds in the baseline's recordings")
-    known = with_rest(max(found, key=lambda h: float(h.log_evidence.max())))
+    known = with_rest(max(found, key=lambda h: h.highest()))
     if taken is not None:
         taken.require_in_baseline(known)
-    evidence, own = float(known.log_evidence.max()), {} if taken is None else taken.laws
+    evidence, own = known.highest(), {} if taken is None else taken.laws
     ranked, least = ranking(known, MOST_EFFECTS).sets, least_gain(known)
     coarsening = baseline_coarsening((len(one.names), one.evidence) for one in ranked)
     error = BaselineError(known.share, max(known.rest, 0.0), coarsening, evidence, known.structured)

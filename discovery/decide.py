@@ -181,8 +181,8 @@ def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
     # A baseline that leaves more than MOST_DECLARED_FORM proves nothing, so that no more than this counts as its own.
     counted = min(1.0, MOST_DECLARED_FORM / max(base.baseline_share, 1e-12))
     form, rest = max(DECLARED_FORM, counted * base.baseline_share), counted**2 * base.baseline_rest
-    best = max((h for h in hypotheses if not stands_at_bound(h)), key=lambda h: float(h.log_evidence.max()))
-    gained = float(best.log_evidence.max()) - float(base.log_evidence.max())
+    best = max((h for h in hypotheses if not stands_at_bound(h)), key=lambda h: h.highest())
+    gained = best.highest() - base.highest()
     told = (form, rest, base.baseline_coarsening, base.motion)
     return Missing(base.share, base.rest_of_judged, gained, best.share, best.structured, *told)
 

@@ -57,7 +57,7 @@ class DeclaredFit:
         if not named or not set(named) <= {*MATERIAL, *WATER} or len(self.own_laws) + len(named) > MOST_EFFECTS:
             return None
         laws = self.own_laws | {law: f"The recordings are likelier with {law} in the baseline too." for law in named}
-        together = float(best.log_evidence.max())
+        together = best.highest()
         return Taken(laws, best.fitted, self.order, self.shows.without, together=together)
 
 

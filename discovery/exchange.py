@@ -20,7 +20,7 @@ NEGLIGIBLE_NATS = 12.0  # nats behind the best: what lies further behind holds n
 def exchange_starts(centre: Hypothesis, without: Hypothesis, temperature: float) -> list[Begun]:
     """Effects that may replace what a hypothesis lacks of the centre, and where their refits begin."""
     promised = ranking(without, 1, temperature)
-    gained = float(centre.evidence_at(temperature).max() - without.evidence_at(temperature).max())
+    gained = centre.highest(temperature) - without.highest(temperature)
     asked = gained - NEGLIGIBLE_NATS * temperature
     alike = {one.names[0] for one in promised.sets if one.evidence > asked} - set(centre.effects)
     if not alike:

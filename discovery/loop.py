@@ -102,7 +102,7 @@ def _base(problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None) -> 
     found = side_by_side([partial(_declared, one, fitted.nuisances) for one in measured if one is not None])
     if not found:
         raise CannotTellError("the runs of the declared model leave all bounds wherever it is fitted")
-    return max(found, key=lambda h: float(h.log_evidence.max()))
+    return max(found, key=lambda h: h.highest())
 
 
 def _declared(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
@@ -110,7 +110,7 @@ def _declared(problem: Problem, nuisances: tuple[Array, ...]) -> Hypothesis:
     found = [declared_model(problem, nuisances)]
     if has_decay(problem):
         found.append(declared_model(*fit_from_release(problem, nuisances)))
-    return max(found, key=lambda h: float(h.log_evidence.max()))
+    return max(found, key=lambda h: h.highest())
 
 
 def _on_processor(problem: Problem) -> Problem:

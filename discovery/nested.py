@@ -24,7 +24,7 @@ Pair = tuple[frozenset[str], frozenset[str]]  # a set, and the larger one where 
 
 def nested_pairs(tried: dict[frozenset[str], Hypothesis], far: float) -> list[Pair]:
     """Each set that lies far behind a larger one, with the best of those."""
-    evidence = {effects: float(h.log_evidence.max()) for effects, h in tried.items()}
+    evidence = {effects: h.highest() for effects, h in tried.items()}
     found = []
     for effects in filter(None, tried):
         larger = [other for other in tried if effects < other]

@@ -23,7 +23,7 @@ from inference.posterior import Hypothesis, filters_at
 from inference.score import Candidate, responses, score
 from inference.whitened_fit import WhitenedFit, whitened_fit
 
-EVERY = 2  # of FORCE_SHARES: the evidence changes slowly from one to the next
+EVERY = 3  # of FORCE_SHARES: the evidence changes slowly from one to the next
 
 
 @dataclass(frozen=True)

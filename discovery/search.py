@@ -90,7 +90,7 @@ def is_fitted_anew(effects: tuple[str, ...], centre: Hypothesis, tried: Tried) -
     centre. The larger model contains the smaller one, so that this fit ended in another valley.
     """
     known = tried.get(frozenset(effects))
-    return known is None or float(known.log_evidence.max()) < float(centre.log_evidence.max()) - FAR
+    return known is None or known.highest() < centre.highest() - FAR
 
 
 def _leading(tried: Tried) -> Hypothesis:
@@ -163,7 +163,7 @@ def _preferred(h: Hypothesis, known: Hypothesis, temperature: float) -> Hypothes
     """
     few, more = sorted((h, known), key=lambda one: len(one.problem.free))
     asked = FOR_A_SHAPE * temperature if len(few.problem.free) < len(more.problem.free) else 0.0
-    return more if more.log_evidence.max() > few.log_evidence.max() + asked else few
+    return more if more.highest() > few.highest() + asked else few
 
 
 def _with_rests(tried: Tried) -> Tried:

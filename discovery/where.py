@@ -33,7 +33,7 @@ def fit_where_it_acts(rough: RoughFit, declared: tuple[LatentForce, ...], temper
     placed = fit_hypothesis(RoughFit(h.effects, problem, h.fitted.nuisances, h.fitted.misfit), declared)
     price = temperature * (_log_prior(h.problem.experiments, h.effects) - _log_prior(chosen, h.effects))
     priced = replace(placed, log_evidence=placed.log_evidence - max(price, 0.0))
-    return max(h, priced, key=lambda one: float(one.log_evidence.max()))
+    return max(h, priced, key=lambda one: one.highest())
 
 
 def _where_they_help(h: Hypothesis) -> tuple[Experiment, ...]:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache, partial
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import CubicSpline
 
 from affine_model.curvature import Array
 from inference.deferred_correction import Effort, corrected, minimised_at_step
@@ -27,7 +27,7 @@ from inference.pose import PosteriorPose
 from inference.trajectory import Problem
 from tentacle.solver_result import RESULTS
 
-FORCE_SHARES = np.array([0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.15, 0.5])
+FORCE_SHARES = np.geomspace(0.001, 0.5, 12)
 PIECE_FRAMES = 60  # of a recording: a second of most, longer than what an error is correlated over
 KEPT_FILTERS = 3  # of the shares next to each other: more would take most of the memory of a diagnosis
 NOISE_REACH = 2.0  # standard deviations of a mean square over pure noise
@@ -96,10 +96,14 @@ class Hypothesis:
         return self.log_evidence + np.array(gained) if gained else self.log_evidence
 
     def profile(self, coarsening: float = 1.0) -> tuple[Array, Array]:
-        """The same at finely spaced shares."""
+        """Finely spaced shares, and the log evidence there; between FORCE_SHARES a cubic spline in log a."""
         fine = np.geomspace(FORCE_SHARES[0], FORCE_SHARES[-1], 241)
         coarse = self.evidence_at(coarsening)
-        return fine, np.asarray(PchipInterpolator(np.log(FORCE_SHARES), coarse)(np.log(fine)))
+        return fine, np.asarray(CubicSpline(np.log(FORCE_SHARES), coarse)(np.log(fine)))
+
+    def highest(self, coarsening: float = 1.0) -> float:
+        """The log evidence [nats] at the most likely share."""
+        return float(self.profile(coarsening)[1].max())
 
 
 @dataclass(frozen=True)
