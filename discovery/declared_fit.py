@@ -79,7 +79,9 @@ def fit_declared(given: Given, deciding: Deciding, progress: Stage, taken: Taken
         problem, fitted = rough_base_fit(rough, fitted_order(order, most_coordinates(problem)), warm=warm)
     if given.baseline:
         rough = replace(setting, experiments=problem.experiments)
-        problem, fitted = fit_baseline_alone(rough, problem.arm.order, warm=fitted)
+        # A law of the arm's own begins where the baseline alone puts it, whatever acts in the other recordings.
+        warm = fitted if taken is None else taken.warm
+        problem, fitted = fit_baseline_alone(rough, problem.arm.order, warm=warm)
     fine = as_fitted(replace(problem, step=FINER * sufficient_step(problem, fitted)))
     shows = baseline_of(fine, fitted.nuisances, setting, taken) if given.baseline else None
     fine = _set_up_known(fine, fitted, 1.0 if shows is None else shows.error.coarsening)

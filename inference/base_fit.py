@@ -32,6 +32,7 @@ SAME_NOISE = 0.03  # a noise that changes by less needs no new fit
 VISIBLE_COORDINATE_SHARE = 0.05
 MOST_FOR_MARKERS = 4  # coordinates
 REFINED_WITH_LAWS = 16  # starts that are refined, of those that one batch screens
+MOST_OF_A_BASELINE = 200  # rounds: with a memory the valley is long and curved
 FOLLOWED = 0.2  # noise sigmas to which a run with fewer coordinates must follow one with MOST_FOR_MARKERS
 
 
@@ -240,7 +241,7 @@ def rough_base_fit(setting: Setting, order: int, *, warm: Fit | None = None) -> 
 
 
 def fit_baseline_alone(setting: Setting, order: int, *, warm: Fit) -> tuple[Problem, Fit]:
-    """Fit the base effects by least squares to the complete recordings alone.
+    """Fit the base effects by least squares to the complete recordings alone, to an end.
 
     The other recordings get initial states from their first frames. Their missing effects therefore do not bias the
     base parameters.
@@ -248,7 +249,8 @@ def fit_baseline_alone(setting: Setting, order: int, *, warm: Fit) -> tuple[Prob
     complete = tuple(e for e in setting.experiments if e.complete)
     others = tuple(e for e in setting.experiments if not e.complete)
     alone = tuple(replace(e, varies=()) for e in complete)
-    known, fitted = rough_base_fit(replace(setting, experiments=alone), order, warm=warm)
+    known, rough = rough_base_fit(replace(setting, experiments=alone), order, warm=warm)
+    fitted = fit(known, rough.nuisances, most=MOST_OF_A_BASELINE)
     shown = [initial_nuisances(experiment, order) for experiment in others]
     own = [np.concatenate([n, np.zeros(len(e.varies))]) for n, e in zip(fitted.nuisances, complete, strict=True)]
     recalibrated = tuple(replace(e, noise_gain=k.noise_gain) for e, k in zip(complete, known.experiments, strict=True))
