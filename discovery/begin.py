@@ -20,6 +20,7 @@ from discovery.starts import Names, RefitStart, base_follows, is_far, refit_star
 from inference.decay import has_decay
 from inference.fit import Fit, linearised_fit
 from inference.posterior import Hypothesis
+from inference.score import Candidate, without_response
 from inference.successive_halving import Leg
 from inference.whitened_fit import LinearRefit
 
@@ -62,7 +63,8 @@ def begun_about(centre: Hypothesis, promised: Ranking, start: Hypothesis, temper
     if len(centre.effects) == MOST_EFFECTS:
         return []
     ranked = {one.names[0]: one for one in promised.sets if len(one.names) == 1}
-    alone = [ranked.get(one.effect.name, RankedSet((one,), -np.inf, (one.strengths,))) for one in promised.candidates]
+    candidates = [*promised.candidates, *_awoken(centre, promised)]
+    alone = [ranked.get(one.effect.name, RankedSet((one,), -np.inf, (one.strengths,))) for one in candidates]
     refit = base_follows(centre, start)
     most = SECOND if centre.effects else EVERY_EFFECT if is_far(centre) else SINGLES
     singles = _begun(start, alone, refit, most)
@@ -80,6 +82,14 @@ def begun_about(centre: Hypothesis, promised: Ranking, start: Hypothesis, temper
     ]
     order = np.argsort([-(one.evidence + priors[len(one.names)]) for one in several], kind="stable")
     return [*singles, *_begun(centre, [several[k] for k in order[:SETS]], refit, SETS)]
+
+
+def _awoken(centre: Hypothesis, promised: Ranking) -> list[Candidate]:
+    """Effects that may act once the base of a model that is far from the data leaves its bound (discovery.starts)."""
+    astray = is_far(centre) and bool(centre.fitted.at_bound)
+    if centre.effects or not astray or has_decay(centre.problem):
+        return []
+    return without_response(centre.problem, promised.candidates)
 
 
 def at_origin(base: Hypothesis, origin: Fit) -> Hypothesis:

@@ -14,7 +14,7 @@ from itertools import product
 
 import numpy as np
 
-from affine_model.arm import neutral_parameters, parameter_index
+from affine_model.arm import neutral_parameters, parameter_index, parameter_rows
 from affine_model.curvature import Array
 from affine_model.declared_laws import SIZES
 from affine_model.effect import Effect
@@ -93,6 +93,7 @@ def refit_starts(
     if isinstance(refit, LinearRefit):
         points = _absorbed(centre, refit, plan).best(LEFT)
     else:
+        plan = _with_nominal_base(centre, plan)
         free = (*problem.free, *(name for one in chosen.candidates for name in one.free if name not in without))
         problem = replace(problem, free=free)
         points = followed([leg.freed(free) for leg in refit], centre.fitted.nuisances, plan)
@@ -100,6 +101,20 @@ def refit_starts(
     for parameters, unknowns, cost in zip(points.parameters.T, points.unknowns.T, points.cost, strict=True):
         found.append(RefitStart(*split(replace(problem, parameters=parameters), unknowns), float(cost)))
     return found
+
+
+def _with_nominal_base(centre: Hypothesis, plan: Array) -> Array:
+    """A grid (R, B), and once more with a nominal base where a base parameter stands at its bound. A base that is bent
+    as far as it goes says nothing of the arm, and no step leads away from a stiffness of zero.
+    """
+    nominal = {(row.effect, row.parameter.name): row.parameter.nominal for row in parameter_rows()}
+    base = [name for name in centre.problem.free if name in nominal and name[0] not in centre.effects]
+    if not set(base) & set(centre.fitted.at_bound):
+        return plan
+    again = plan.copy()
+    for name in base:
+        again[parameter_index(*name)] = nominal[name]
+    return np.concatenate([plan, again], axis=1)
 
 
 def _absorbed(centre: Hypothesis, refit: LinearRefit, plan: Array) -> Points:

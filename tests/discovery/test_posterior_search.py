@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from affine_model.arm import parameter_index
-from discovery.begin import Begun
+from discovery.begin import Begun, begun_about
 from discovery.decide import decide_by_mass, missing_of
 from discovery.detection import detection_limits
 from discovery.nested import nested_pairs, nested_refit, stands_in_another_valley
@@ -46,6 +46,22 @@ def test_a_payload_as_heavy_as_the_arm_is_found_beside_a_base_that_is_far_off(re
     # A 95 % interval, taken twice as wide, as above.
     assert abs(mass - payload) < high - low
     assert high - low < 0.1 * payload
+
+
+def test_a_current_is_found_beside_a_base_that_stands_at_its_bound(recorded):
+    """It bends the arm so far that the base has no drag, and a fortieth of the modulus: no current acts there."""
+    hidden = {("current", "U_x"): -0.36, ("current", "U_y"): -0.09}
+    alone = base_of(recorded(hidden))
+    base = declared_model(alone.problem, alone.fitted.nuisances)
+    promised = ranking(base, 1)
+    assert ("drag", "C_perp") in base.fitted.at_bound
+    assert "current" not in {one.effect.name for one in promised.candidates}
+    (begun,) = (one for one in begun_about(base, promised, base, 1.0) if one.chosen.names == ("current",))
+    close = fit_hypothesis(added(base, begun), base.forces)
+    for name, truth in hidden.items():
+        low, high = interval(close.problem, close.fitted, name)
+        # A 95 % interval, taken twice as wide, as above.
+        assert abs(close.fitted.parameters[parameter_index(*name)] - truth) < high - low < 0.1 * abs(truth)
 
 
 @pytest.mark.long
