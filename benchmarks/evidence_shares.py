@@ -2,9 +2,9 @@
 
 python benchmarks/evidence_shares.py --json FILE [--trials N] [--seed S] [--plant NAME ...]
 
-Of each blind trial, the sets that may count are taken: those whose mass is at least exp(-12) of the largest, and none.
-Their evidence is computed halfway between the shares. An error is stated in coarsened nats, as the decision weighs it,
-and only where the evidence is within 30 of these of its highest: what lies further below has no weight.
+Of each blind trial, the sets that may count are taken: those whose mass is at least exp(-12) of the largest, and the set
+without effects. Their evidence is computed halfway between the shares. An error is stated in coarsened nats, as the
+decision weighs it, and only where the evidence is within 30 of these of its highest: the rest has no weight.
 """
 
 from __future__ import annotations

@@ -79,7 +79,7 @@ def fit_declared(given: Given, deciding: Deciding, progress: Stage, taken: Taken
         problem, fitted = rough_base_fit(rough, fitted_order(order, most_coordinates(problem)), warm=warm)
     if given.baseline:
         rough = replace(setting, experiments=problem.experiments)
-        # A law of the arm's own begins where the baseline alone puts it, whatever acts in the other recordings.
+        # The baseline alone says where the fit of a law of the arm's own begins.
         warm = fitted if taken is None else taken.warm
         problem, fitted = fit_baseline_alone(rough, problem.arm.order, warm=warm)
     fine = as_fitted(replace(problem, step=FINER * sufficient_step(problem, fitted)))

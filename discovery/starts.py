@@ -104,8 +104,8 @@ def refit_starts(
 
 
 def _with_nominal_base(centre: Hypothesis, plan: Array) -> Array:
-    """A grid (R, B), and once more with a nominal base where a base parameter stands at its bound. A base that is bent
-    as far as it goes says nothing of the arm, and no step leads away from a stiffness of zero.
+    """A grid (R, B), and once more with a nominal base where a base parameter stands at its bound. There it does
+    not describe the arm, and a fit that begins with a stiffness of zero cannot leave it.
     """
     nominal = {(row.effect, row.parameter.name): row.parameter.nominal for row in parameter_rows()}
     base = [name for name in centre.problem.free if name in nominal and name[0] not in centre.effects]

@@ -32,7 +32,6 @@ SAME_NOISE = 0.03  # a noise that changes by less needs no new fit
 VISIBLE_COORDINATE_SHARE = 0.05
 MOST_FOR_MARKERS = 4  # coordinates
 REFINED_WITH_LAWS = 16  # starts that are refined, of those that one batch screens
-MOST_OF_A_BASELINE = 200  # rounds: with a memory the valley is long and curved
 FOLLOWED = 0.2  # noise sigmas to which a run with fewer coordinates must follow one with MOST_FOR_MARKERS
 
 
@@ -250,7 +249,7 @@ def fit_baseline_alone(setting: Setting, order: int, *, warm: Fit) -> tuple[Prob
     others = tuple(e for e in setting.experiments if not e.complete)
     alone = tuple(replace(e, varies=()) for e in complete)
     known, rough = rough_base_fit(replace(setting, experiments=alone), order, warm=warm)
-    fitted = fit(known, rough.nuisances, most=MOST_OF_A_BASELINE)
+    fitted = fit(known, rough.nuisances)
     shown = [initial_nuisances(experiment, order) for experiment in others]
     own = [np.concatenate([n, np.zeros(len(e.varies))]) for n, e in zip(fitted.nuisances, complete, strict=True)]
     recalibrated = tuple(replace(e, noise_gain=k.noise_gain) for e, k in zip(complete, known.experiments, strict=True))

@@ -98,7 +98,7 @@ class Response:
 
 def responses(problem: Problem, fitted: Fit, effects: tuple[Effect, ...] | None = None) -> list[Response]:
     """The responses to all absent effects that can act here, at the fitted state; differences in one batch each."""
-    chosen = that_can_act(problem, effects or absent_effects())
+    chosen = _that_can_act(problem, effects or absent_effects())
     step = problem.step
     problem = replace(problem, parameters=fitted.parameters, filters=(), step=coarser(problem) * step)
     unknowns = np.concatenate([fitted.values, *fitted.nuisances])
@@ -140,7 +140,7 @@ def _slopes(problem: Problem, unknowns: Array, plan: list[Array], widths: list[f
     return [np.concatenate(kept, axis=2) for kept in slopes] if plan else []
 
 
-def that_can_act(problem: Problem, effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
+def _that_can_act(problem: Problem, effects: tuple[Effect, ...]) -> tuple[Effect, ...]:
     """The effects with a strength that the model has not yet, with a fluid and a payload where they need one."""
     arms = [experiment.arm(problem.arm) for experiment in problem.experiments]
     fluid = densest(arm.fluid for arm in arms)
@@ -159,7 +159,7 @@ def without_response(problem: Problem, known: Sequence[Candidate]) -> list[Candi
     beside a base without drag, for instance, no current acts.
     """
     seen = {one.effect.name for one in known}
-    effects = [one for one in that_can_act(problem, absent_effects()) if one.name not in seen]
+    effects = [one for one in _that_can_act(problem, absent_effects()) if one.name not in seen]
     strengths = [np.array([one.nominal for one in effect.strengths]) for effect in effects]
     return [
         Candidate(effect, 0.0, values, _variants(effect, ())[0], np.zeros((0, values.size)))
