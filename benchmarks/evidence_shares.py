@@ -2,8 +2,8 @@
 
 python benchmarks/evidence_shares.py --json FILE [--trials N] [--seed S] [--plant NAME ...]
 
-Of each blind trial, the sets that may count are taken: those whose mass is at least exp(-12) of the largest, and the set
-without effects. Their evidence is computed halfway between the shares. An error is stated in coarsened nats, as the
+Of each blind trial, the sets that may count are taken: those whose mass is at least exp(-12) of the largest, and the
+set without effects. Their evidence is computed halfway between the shares. An error is stated in coarsened nats, as the
 decision weighs it, and only where the evidence is within 30 of these of its highest: the rest has no weight.
 """
 
