@@ -23,9 +23,6 @@ from inference.posterior import Hypothesis, filters_at
 from inference.score import Candidate, responses, score
 from inference.whitened_fit import WhitenedFit, whitened_fit
 
-# Of FORCE_SHARES; chosen, for speed. In 3 of 5 recordings the three best sets are those with every share (2: in 5).
-EVERY = 3
-
 
 @dataclass(frozen=True)
 class RankedSet:
@@ -66,7 +63,7 @@ def ranking(centre: Hypothesis, most: int, coarsening: float = 1.0) -> Ranking:
     best = int(np.argmax(evidence))
     found: dict[tuple[str, ...], RankedSet] = {}
     first: tuple[Candidate, ...] = ()
-    for place in (*range(best, 0, -EVERY), 0):  # what explains the data wholly gains most at the smallest share
+    for place in range(best, -1, -1):
         filters = filters_at(centre.forces, place, coarsening)
         white = whitened_fit(centre.problem, centre.fitted, filters)
         candidates = score(white, known)

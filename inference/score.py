@@ -31,6 +31,7 @@ STRENGTH_STEP = 0.02  # of the nominal strength: small enough to be linear, larg
 BAND, RESOLUTION, PEAKS = (0.2, 4.0), 0.005, 4  # Hz, Hz, how many: of the residual's own spectrum
 SCORE_BATCH = 96  # individuals at once: what memory holds for a long recording
 OTHERS, DISTINCT = 3, 0.7  # further variants of an effect that are kept; cosine under which two explain different parts
+ALIKE = 1e-12  # of the largest: strengths whose power in the data is less, beside each other, are one strength to them
 VISIBLE_STRENGTH = 1e-3  # an effect whose nominal strength moves the data by less than this (whitened norm) is dead
 
 
@@ -169,39 +170,46 @@ def without_response(problem: Problem, known: Sequence[Candidate]) -> list[Candi
 
 def score(white: WhitenedFit, known: Sequence[Response]) -> list[Candidate]:
     """The candidate effects, best first, each with its best shapes, without those that these data cannot show."""
-    columns = np.split(
-        white.columns([np.concatenate(own, axis=2) for own in zip(*(one.slopes for one in known), strict=True)]),
-        np.cumsum([len(one.effect.strengths) for one in known])[:-1],
-        axis=1,
-    ) if known else []  # fmt: skip
-    variants: dict[str, list[Candidate]] = {}
-    for one, freed in zip(known, columns, strict=True):
+    if not known:
+        return []
+    columns = white.columns([np.concatenate(own, axis=2) for own in zip(*(one.slopes for one in known), strict=True)])
+    information, slope = columns.T @ columns, columns.T @ white.residual
+    ends = np.cumsum([len(one.effect.strengths) for one in known])
+    variants: dict[str, list[tuple[Candidate, Array]]] = {}
+    for one, end in zip(known, ends, strict=True):
         nominal = np.array([parameter.nominal for parameter in one.effect.strengths])
-        visible = np.linalg.norm(freed * nominal, axis=0) > VISIBLE_STRENGTH * np.sqrt(white.residual.size)
-        if not visible.any():
+        at = np.arange(end - nominal.size, end)
+        size = np.sqrt(np.diag(information)[at]) * nominal
+        seen = size > VISIBLE_STRENGTH * np.sqrt(white.residual.size)
+        if not seen.any():
             continue
-        strengths = np.zeros(nominal.size)
-        solution, *_ = np.linalg.lstsq(freed[:, visible] * nominal[visible], -white.residual, rcond=1e-8)
-        strengths[visible] = solution * nominal[visible]
-        explained = freed @ strengths
-        gain = float(-white.residual @ explained - 0.5 * explained @ explained)
-        variants.setdefault(one.effect.name, []).append(Candidate(one.effect, gain, strengths, one.shapes, freed))
-    return sorted((_with_others(of) for of in variants.values()), key=lambda candidate: -candidate.gain)
+        unit, at_seen = nominal[seen] / size[seen], at[seen]  # strengths that move the data by one
+        matrix = information[np.ix_(at_seen, at_seen)] * np.outer(unit, unit)
+        solution = np.linalg.lstsq(matrix, -slope[at_seen] * unit, rcond=ALIKE)[0]
+        strengths = np.zeros(columns.shape[1])
+        strengths[at_seen] = solution * unit
+        gain = -float(slope @ strengths + 0.5 * strengths @ information @ strengths)
+        found = Candidate(one.effect, gain, strengths[at], one.shapes, columns[:, at])
+        variants.setdefault(one.effect.name, []).append((found, strengths))
+    best = (_with_others(of, information) for of in variants.values())
+    return sorted(best, key=lambda candidate: -candidate.gain)
 
 
-def _with_others(variants: list[Candidate]) -> Candidate:
-    """The variant with the largest gain, with the next best that explain the data in another way than those before."""
-    best, *rest = sorted(variants, key=lambda one: -one.gain)
-    chosen, made = [best], [best.sensitivity @ best.strengths]
+def _with_others(variants: list[tuple[Candidate, Array]], information: Array) -> Candidate:
+    """The variant with the largest gain, with the next best that explain the data in another way than those before.
+
+    information (S, S): S'S of all columns; each variant comes with the strengths (S,) of all columns that it has.
+    """
+    best, *rest = sorted(variants, key=lambda one: -one[0].gain)
+    chosen = [best]
     for one in rest:
         if len(chosen) > OTHERS:
             break
-        explains = one.sensitivity @ one.strengths
-        sizes = [np.linalg.norm(explains) * np.linalg.norm(before) for before in made]
-        if all(abs(explains @ before) < DISTINCT * size for before, size in zip(made, sizes, strict=True)):
+        explains = one[1] @ information
+        sizes = [np.sqrt((explains @ one[1]) * (before @ information @ before)) for _, before in chosen]
+        if all(abs(explains @ before) < DISTINCT * size for (_, before), size in zip(chosen, sizes, strict=True)):
             chosen.append(one)
-            made.append(explains)
-    return replace(best, others=tuple((one.strengths, one.shapes) for one in chosen[1:]))
+    return replace(best[0], others=tuple((one.strengths, one.shapes) for one, _ in chosen[1:]))
 
 
 def twin_cosines(candidates: list[Candidate]) -> Array:
