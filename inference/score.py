@@ -31,7 +31,6 @@ STRENGTH_STEP = 0.02  # of the nominal strength: small enough to be linear, larg
 BAND, RESOLUTION, PEAKS = (0.2, 4.0), 0.005, 4  # Hz, Hz, how many: of the residual's own spectrum
 SCORE_BATCH = 96  # individuals at once: what memory holds for a long recording
 OTHERS, DISTINCT = 3, 0.7  # further variants of an effect that are kept; cosine under which two explain different parts
-ALIKE = 1e-12  # of the largest: strengths whose power in the data is less, beside each other, are one strength to them
 VISIBLE_STRENGTH = 1e-3  # an effect whose nominal strength moves the data by less than this (whitened norm) is dead
 
 
@@ -174,6 +173,7 @@ def score(white: WhitenedFit, known: Sequence[Response]) -> list[Candidate]:
         return []
     columns = white.columns([np.concatenate(own, axis=2) for own in zip(*(one.slopes for one in known), strict=True)])
     information, slope = columns.T @ columns, columns.T @ white.residual
+    rounding = white.residual.size * float(np.finfo(np.float64).eps)  # of a sum of N products: Higham 2002, section 3.1
     ends = np.cumsum([len(one.effect.strengths) for one in known])
     variants: dict[str, list[tuple[Candidate, Array]]] = {}
     for one, end in zip(known, ends, strict=True):
@@ -185,7 +185,7 @@ def score(white: WhitenedFit, known: Sequence[Response]) -> list[Candidate]:
             continue
         unit, at_seen = nominal[seen] / size[seen], at[seen]  # strengths that move the data by one
         matrix = information[np.ix_(at_seen, at_seen)] * np.outer(unit, unit)
-        solution = np.linalg.lstsq(matrix, -slope[at_seen] * unit, rcond=ALIKE)[0]
+        solution = np.linalg.lstsq(matrix, -slope[at_seen] * unit, rcond=rounding)[0]
         strengths = np.zeros(columns.shape[1])
         strengths[at_seen] = solution * unit
         gain = -float(slope @ strengths + 0.5 * strengths @ information @ strengths)
