@@ -1,8 +1,8 @@
 """A chain of rigid links in MuJoCo, with other links, hinges and steps than the chain that the loop uses.
 
 Hinges stand at the beginnings of equal links, the first at the clamp with half a link's bend. Drawn: 24 to 60
-links, steps of .25 to .5 ms. MuJoCo gives M and its bias forces; (M + M_water + h D + h^2 K) a = F at the step's
-beginning, v += h a, q += h v: the implicit Euler rule, linear in the step, of first order.
+links, steps of .5 to 1 ms. MuJoCo gives M and its bias forces. Implicit midpoint steps, of second order: M a = F
+at mid-step, q + h/2 v + h^2/4 a and v + h/2 a, found by a few quasi-Newton iterations with M + h/2 D + h^2/4 K.
 """
 
 from __future__ import annotations
@@ -21,7 +21,8 @@ from validation.plants.tank import on_piece
 
 mujoco: Any = import_module("mujoco")  # its names are made at run time
 FEWEST, MOST = 24, 60  # links
-STEPS = (5e-4, 1e-3)  # s, at most, of which mover takes halves
+STEPS = (5e-4, 1e-3)  # s, at most
+ROUNDS, ROUNDS_SLIDING = 2, 6  # more if friction is a steep function of the rate
 SMALLEST = 1e-14  # kg m^2: MuJoCo takes no inertia below 1e-15
 
 
@@ -29,45 +30,50 @@ def plant(trial: Trial) -> Plant:
     """The trial's chain: the number of links and the step are drawn at random."""
     random = np.random.default_rng([trial.seed, 22])
     links, step = int(random.integers(FEWEST, MOST + 1)), float(random.uniform(*STEPS))
-    return Plant(mover(links), step, {"links": links, "step_s": 0.5 * step})
+    return Plant(mover(links), step, {"links": links, "step_s": step})
 
 
 def mover(links: int) -> Mover:
-    """The Mover (see filmed) of a chain with that many links; it makes two steps for each requested one."""
+    """The Mover (see filmed) of a chain with that many links."""
 
     def move(laws: np.ndarray, theta: Array, step: float, every: int) -> tuple[Array, Array]:
         model, mass, centre = _compiled(laws[0], links)
         data = mujoco.MjData(model)
-        h, n = 0.5 * step, links
-        state = np.zeros((2, n + 1))  # base angle and hinges: positions, rates
-        state[0, 0], bent = theta[0], (theta[1] - theta[0]) / h
-        state[1, 0] = bent
-        memory, bias = np.zeros((n, BRANCHES + 1)), np.zeros(n + 1)
+        half, n = 0.5 * step, links
+        rounds = ROUNDS_SLIDING if laws["c_f"][0] != 0.0 and laws["dry_friction_law"][0] == 0.0 else ROUNDS
+        bend, rate, hinge = np.zeros(n), np.zeros(n), np.zeros(n)
+        memory = np.zeros((n, BRANCHES + 1))
+        state, kept, bias = np.zeros((2, n + 1)), np.zeros_like(memory), np.zeros(n + 1)
         full, lower = np.zeros((n + 1, n + 1)), np.tril_indices(n + 1)
         places: list[Array] = []
         pulls: list[float] = []
-        points, pull = np.zeros((n + 1, 2)), 0.0
-        for k in range(theta.size - 1):
-            before = theta[max(k - 1, 0)]
-            turn = (theta[k + 1] - 2.0 * theta[k] + before) / h**2 if k else 0.0
-            state[0, 0] = theta[k]
-            state[1, 0] = (theta[k] - before) / h if k else bent - h * turn
-            data.qpos[:], data.qvel[:] = state
-            data.qacc[:] = 0.0
-            data.qacc[0] = turn
-            mujoco.mj_kinematics(model, data)
-            mujoco.mj_comPos(model, data)
-            mujoco.mj_makeM(model, data)
-            mujoco.mj_comVel(model, data)
-            mujoco.mj_rne(model, data, 1, bias)
-            full[lower] = data.M
-            points, pull, hinge = _accelerated(laws[0], state, (turn, bias, full), memory, (mass, centre), (k * h, h))
-            if k % (2 * every) == 0:
-                places.append(points)
+        pull = 0.0
+        for k in range((theta.size - 1) // 2):
+            before, middle, after = theta[2 * k : 2 * k + 3]
+            turn = (after - 2.0 * middle + before) / half**2
+            if k % every == 0:
+                places.append(_nodes(before, bend, float(laws["length"][0])))
+            for _ in range(rounds):
+                speed = rate + half * hinge
+                state[0, 0], state[0, 1:] = middle, bend + half * speed
+                state[1, 0], state[1, 1:] = (after - before) / step, speed
+                data.qpos[:], data.qvel[:] = state
+                data.qacc[:] = 0.0
+                data.qacc[0] = turn
+                mujoco.mj_kinematics(model, data)
+                mujoco.mj_comPos(model, data)
+                mujoco.mj_makeM(model, data)
+                mujoco.mj_comVel(model, data)
+                mujoco.mj_rne(model, data, 1, bias)
+                full[lower] = data.M
+                drive, times = (turn, bias, full, hinge), ((k + 0.5) * step, half)
+                pull, hinge = _accelerated(laws[0], state, drive, (memory, kept), (mass, centre), times)
+            if k % every == 0:
                 pulls.append(pull)
-            state[1, 1:] += h * hinge
-            state[0, 1:] += h * state[1, 1:]
-        places.append(points)
+            bend += step * (rate + half * hinge)
+            rate += step * hinge
+            memory = 2.0 * kept - memory
+        places.append(_nodes(theta[-1], bend, float(laws["length"][0])))
         pulls.append(pull)
         found = np.array(places)
         if not np.isfinite(found).all():
@@ -75,6 +81,13 @@ def mover(links: int) -> Mover:
         return found, np.array(pulls)
 
     return move
+
+
+def _nodes(angle: float, bend: Array, length: float) -> Array:
+    """Nodes (n + 1, 2) [m] of n links with these hinge angles (n,) below a base at this angle [rad]."""
+    phi = angle + np.cumsum(bend)
+    steps = length / bend.size * np.stack([-np.sin(phi), np.cos(phi)], axis=1)
+    return np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
 
 
 def _compiled(laws: np.void, links: int) -> tuple[Any, Array, Array]:
@@ -105,18 +118,21 @@ def _compiled(laws: np.void, links: int) -> tuple[Any, Array, Array]:
 
 
 @njit(cache=True)
-def _accelerated(laws, state: Array, drive, memory: Array, links, times):
-    """Nodes (n + 1, 2) [m], the force along y on the mount [N], accelerations of the hinges (n,).
+def _accelerated(laws, state: Array, drive, memories: tuple[Array, Array], links, times):
+    """The force along y on the mount [N], and the next iterate of the hinges' accelerations (n,), at mid-step.
 
-    The memories are advanced. drive: the base's acceleration, MuJoCo's bias forces and mass matrix; links: mass and
-    centre (n,); times: t and half the step [s].
+    drive: the base's acceleration, MuJoCo's bias forces and mass matrix, and the accelerations with which the state at
+    mid-step was found; memories: at the step's start, and written, at mid-step; links: mass and centre (n,); times: t
+    of mid-step and half the step [s].
     """
-    turn, bias, full = drive
+    turn, bias, full, supposed = drive
+    memory, kept = memories
     mass, centre = links
     t, h = times
     n = mass.size
     long = laws.length / n
     matrix, force = np.zeros((n, n)), np.zeros(n)
+    yields = np.zeros(n)  # -d force / d acceleration, times the supposed ones
     for i in range(n):
         for j in range(i + 1):
             matrix[i, j] = full[i + 1, j + 1]
@@ -125,7 +141,6 @@ def _accelerated(laws, state: Array, drive, memory: Array, links, times):
     points, speed, swing = np.zeros((n + 1, 2)), np.zeros((n + 1, 2)), np.zeros((n + 1, 2))
     columns, along = np.zeros(n), np.zeros(n)
     down_x, down_y = laws.gravity * np.sin(laws.tilt), laws.gravity * np.cos(laws.tilt)
-    kept = np.zeros(BRANCHES + 1)
     phi, rate = state[0, 0], state[1, 0]
     outside = 0.0  # along y: what pulls the arm
     arms = np.zeros((n + 1, n))  # d y of mass centres / d hinge
@@ -160,7 +175,9 @@ def _accelerated(laws, state: Array, drive, memory: Array, links, times):
             force[j] += -ry * fx + rx * fy + long * couple
             arms[i, j] = points[i, 0] + centre[i] * tx - points[j, 0]
         carried = long * (inertia + h * slope)
+        pace = long * h * slope * np.dot(columns[: i + 1], supposed[: i + 1])
         for j in range(i + 1):
+            yields[j] += pace * columns[j]
             reaction[j] += long * inertia * columns[j] * ny
             for k in range(i + 1):
                 matrix[j, k] += carried * columns[j] * columns[k]
@@ -168,11 +185,11 @@ def _accelerated(laws, state: Array, drive, memory: Array, links, times):
         s = i / n if i else 0.25 / n
         unit = n if i else 2.0 * n
         second = 0.25 * np.pi * (laws.base_radius + (laws.tip_radius - laws.base_radius) * s) ** 4
-        ahead = unit * (state[0, i + 1] + h * state[1, i + 1])
-        moment, stiff = bending(laws, (s, second), (ahead, unit * state[1, i + 1]), (memory[i], kept), t + h, 2.0 * h)
-        memory[i] = kept
+        bend = unit * state[0, i + 1], unit * state[1, i + 1]
+        moment, stiff = bending(laws, (s, second), bend, (memory[i], kept[i]), t, 2.0 * h)
         force[i] -= moment
         matrix[i, i] += h * stiff * unit
+        yields[i] += h * stiff * unit * supposed[i]
     if laws.payload > 0.0 or laws.magnet != 0.0 or laws.thread != 0.0:
         nx, ny = np.cos(phi), np.sin(phi)
         ox, oy = laws.payload_drop * nx - laws.payload_reach * ny, laws.payload_drop * ny + laws.payload_reach * nx
@@ -198,8 +215,8 @@ def _accelerated(laws, state: Array, drive, memory: Array, links, times):
             for k in range(n):
                 sx, sy = px - points[k, 0], py - points[k, 1]
                 matrix[j, k] += carries * (rx * sx + ry * sy)
-    hinge = np.linalg.solve(matrix, force)
+    hinge = np.linalg.solve(matrix, force + yields)
     inertial = np.dot(reaction, hinge)
     for i in range(n + 1):
         inertial += masses[i] * (fixed[i] + np.dot(arms[i], hinge))
-    return points, outside - inertial, hinge
+    return outside - inertial, hinge

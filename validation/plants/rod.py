@@ -1,8 +1,9 @@
 """A planar elastic rod of point masses, stretching and bending, in its tank; implicit midpoint steps (compiled).
 
 It shares no code with the project's models: no curvature coordinates, no rigid links. Nodes are at the ends of PIECES
-equal pieces. Every length and every angle has a spring and a dashpot. The water's forces act on every piece at its
-middle: M (v1 - v0) / h = F(x, v) at mid-step, found by a few quasi-Newton iterations on a banded matrix.
+equal pieces, and every piece resists turning as its part of the arm does. Every length and every angle has a spring
+and a dashpot. The water's forces act on every piece at its middle: M (v1 - v0) / h = F(x, v) at mid-step, found by a
+few quasi-Newton iterations on a banded matrix.
 """
 
 from __future__ import annotations
@@ -131,6 +132,13 @@ def _moved(laws, theta: Array, step: float, every: int):
                 )
                 own_x, own_y, own_slope = law_on_piece(laws, radius[i], (px, py, nx, ny), (ux, uy), t)
                 slope += own_slope
+                # The piece's own inertia against turning, beyond that of its masses at its ends and middle.
+                line = laws.density * area[i]
+                wheel = laws.density * (1.0 + laws.heavier) * 0.25 * np.pi * radius[i] ** 4
+                wheel += (inertia + (laws.heavier - 2.0) * line) * piece**2 / 12.0
+                gain_x = v_mid[i + 1, 0] - v[i + 1, 0] - v_mid[i, 0] + v[i, 0]
+                gain_y = v_mid[i + 1, 1] - v[i + 1, 1] - v_mid[i, 1] + v[i, 1]
+                couple += 2.0 / step * wheel * (gain_x * nx + gain_y * ny) / long
                 fx = piece * (push_n * nx + push_t * tx + own_x)
                 fy = piece * (push_n * ny + push_t * ty + own_y)
                 net = (laws.density * (1.0 + laws.heavier) - laws.water * (1.0 + laws.saltier)) * area[i] * piece
@@ -142,6 +150,7 @@ def _moved(laws, theta: Array, step: float, every: int):
                 force[i, 1] += pull * ty + 0.5 * fy - cy - 0.5 * extra * wy
                 force[i + 1, 0] += -pull * tx + 0.5 * fx + cx - 0.5 * extra * wx
                 force[i + 1, 1] += -pull * ty + 0.5 * fy + cy - 0.5 * extra * wy
+                across += piece * wheel * 2.0 / step / long**2
                 sxx, sxy, syy = along * tx * tx + across * nx * nx, (along - across) * tx * ty, along * ty * ty
                 syy += across * ny * ny
                 weighted = 0.25 * piece * (2.0 / step * inertia + slope)
