@@ -31,7 +31,9 @@ the second has the larger gain as often as the first. The largest of some eight 
 times another such largest one in a case of twenty. The declared laws may err by a share DECLARED_ALIKE of the motion
 that looks like an effect: in M nats of motion (inference.motion) such an effect gains DECLARED_ALIKE^2 M, and one
 effect is not named for it. In 19 development recordings of two plants without an effect, the best set gained at most
-.00095^2 M, and the constant is 1.5 times that; in 16 later ones at most .00072^2 M, but once .00147^2 M.
+.00095^2 M, and the constant is 1.5 times that; in 16 later ones at most .00072^2 M, but once .00147^2 M. One of these
+plants took steps of first order. Of plants that do not, a third of the constant would be right, and for other people's
+programs it would not (docs/loop_trials.md).
 
 The verdict is the outcome with the largest mass. The credible sets are the fewest sets that, with all sets that contain
 them, hold CREDIBLE of the known mass: whether more acts beside them is another question. What they share is the answer
