@@ -40,6 +40,12 @@ def softening(laws, s: float, t: float) -> float:
 
 
 @njit(cache=True)
+def slides(laws) -> bool:
+    """Whether friction is a steep function of the rate (tanh), so that an implicit step needs more iterations."""
+    return laws.c_f != 0.0 and laws.dry_friction_law == 0.0
+
+
+@njit(cache=True)
 def bending(
     laws,
     section: tuple[float, float],

@@ -13,7 +13,7 @@ import numpy as np
 from tentacle.compiled import njit
 from tentacle.signals import Array
 from validation.plants.hidden_law import delayed_moment, law_at_end, law_on_piece
-from validation.plants.material import BRANCHES, bending
+from validation.plants.material import BRANCHES, bending, slides
 from validation.plants.tank import on_piece
 
 PIECES = 32
@@ -94,7 +94,7 @@ def _moved(laws, theta: Array, step: float, every: int):
     sunk = laws.payload * (1.0 - laws.water / laws.payload_density)
     memory, kept = np.zeros((n, BRANCHES + 2)), np.zeros((n, BRANCHES + 2))
     force, band, right = np.zeros((n + 1, 2)), np.zeros((2 * n, 6)), np.zeros(2 * n)
-    rounds = ROUNDS_SLIDING if laws.c_f != 0.0 and laws.dry_friction_law == 0.0 else ROUNDS
+    rounds = ROUNDS_SLIDING if slides(laws) else ROUNDS
     steps = (theta.size - 1) // 2
     found, pulls = np.zeros((steps // every + 1, n + 1, 2)), np.zeros(steps // every + 1)
     nx, ny = 1.0, 0.0  # of a piece; after the last one, of the tip

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from affine_model.arm import Arm, declared_parameters, parameter_index
+from affine_model.arm import arm_of, parameter_vector
 from affine_model.curvature import midline
 from affine_model.simulate import Timing
 from affine_model.simulate import simulate as simulate_model
@@ -23,6 +23,15 @@ ARM = {
     "E": 2.2e5, "eta": 4e3, "C_perp": 1.1,
 }  # fmt: skip
 WAVE, STEP, SECONDS = Sine(0.35, 1.2), 2e-3, 2.0
+
+
+def model_of_arm(fluid, order):
+    """The model of ARM with so many coordinates."""
+    exact = {"elasticity": {"E": 2.2e5}, "damping": {"eta": 4e3}, "drag": {"C_perp": 1.1}}
+    return Model(
+        Specimen(Cone(0.011, 0.003), 0.15, 1080.0), fluid, Gravity(), order,
+        {name: {key: Estimate.exact(value) for key, value in table.items()} for name, table in exact.items()},
+    )  # fmt: skip
 
 
 def half_steps(seconds):
@@ -61,11 +70,7 @@ def test_a_held_rod_sinks_as_a_cantilever():
 )  # fmt: skip
 def test_the_plants_swim_as_the_reference_does(hidden, numbers):
     """Ways to write the same arm's mechanics down that have no line in common."""
-    exact = {"elasticity": {"E": 2.2e5}, "damping": {"eta": 4e3}, "drag": {"C_perp": 1.1}}
-    model = Model(
-        Specimen(Cone(0.011, 0.003), 0.15, 1080.0), Fluid(1000.0), Gravity(), 2,
-        {name: {key: Estimate.exact(value) for key, value in table.items()} for name, table in exact.items()},
-    )  # fmt: skip
+    model = model_of_arm(Fluid(1000.0), 2)
     angle = WAVE(half_steps(SECONDS))[0]
     chain = simulate(
         model, WAVE, SECONDS, 50.0, hidden=hidden, setup=Setup(links=40, s=np.linspace(0.0, 1.0, PIECES + 1))
@@ -116,16 +121,12 @@ def test_the_chain_of_ever_more_links_is_the_curvature_model():
     coarse, fine = (mover(links)(law_record(**ARM, C_a=1.0), angle, STEP, every)[0] for links in (24, 48))
     fine = fine[:, ::2]
     exact = fine + (fine - coarse) / 3.0  # the error falls with the square of the links' length
-    specimen, fluid, gravity = Specimen(Cone(0.011, 0.003), 0.15, 1080.0), Fluid(1000.0, "section"), Gravity()
-    arm = Arm(specimen, fluid, gravity, order=12, nodes=18)
-    parameters = declared_parameters(specimen, fluid)
-    for effect, name, value in (("elasticity", "E", 2.2e5), ("damping", "eta", 4e3), ("drag", "C_perp", 1.1)):
-        parameters[parameter_index(effect, name)] = value
+    model = model_of_arm(Fluid(1000.0, "section"), 12)
     base = WAVE(STEP * (np.arange(round(SECONDS / STEP)) + 0.5))[:, :, None]
-    run = simulate_model(arm, parameters[:, None], base, Timing(STEP, stride=every))
-    model = midline(run.q[:, :, 0], run.theta[:, 0], specimen.length, s)
-    apart, apart_coarse = (np.sqrt(np.mean(np.sum((model - one) ** 2, axis=2))) for one in (exact, coarse))
-    motion = np.sqrt(np.mean(np.sum((model - model.mean(axis=0)) ** 2, axis=2)))
+    run = simulate_model(arm_of(model, nodes=18), parameter_vector(model)[:, None], base, Timing(STEP, stride=every))
+    curved = midline(run.q[:, :, 0], run.theta[:, 0], model.specimen.length, s)
+    apart, apart_coarse = (np.sqrt(np.mean(np.sum((curved - one) ** 2, axis=2))) for one in (exact, coarse))
+    motion = np.sqrt(np.mean(np.sum((curved - curved.mean(axis=0)) ** 2, axis=2)))
     assert apart < 1e-4 * motion
     assert apart < 0.2 * apart_coarse
 
