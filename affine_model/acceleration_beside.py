@@ -24,16 +24,20 @@ NODES = 16  # as in `affine_model.curvature.midline`
 @dataclass(frozen=True)
 class Turning:
     """The arm's directions over time: coordinates q, q', q'' (3, T, n, B) [rad] in the paper's, direction theta of the
-    root and its derivatives (3, T, B) [rad].
+    root and its derivatives (3, T, B) [rad]. shear (n + 1, n): as in points_beside.
     """
 
     q: Array
     theta: Array
+    shear: Array | None = None
 
     def angles(self, s: Array) -> Array:
-        """phi, phi', phi'' (3, T, B, P) at s (P,)."""
+        """phi, phi', phi'' (3, T, B, P) of the midline at s (P,); the last is that of the section there."""
         j = np.arange(1.0, self.q.shape[2] + 1.0)
-        return self.theta[..., None] + np.einsum("pj,dtjb->dtbp", s[:, None] ** j / j, self.q)
+        rows = s[:, None] ** j / j
+        if self.shear is not None:
+            rows[-1] -= np.vander(s[-1:], len(self.shear), increasing=True)[0] @ self.shear
+        return self.theta[..., None] + np.einsum("pj,dtjb->dtbp", rows, self.q)
 
 
 def specific_force(turning: Turning, pull: Array, length: float, place: tuple[float, float]) -> tuple[Array, Array]:

@@ -200,7 +200,7 @@ def _columns(arm: Arm) -> tuple[Array, Array, Array]:
     n = arm.order
     nodes = arm.node_count
     angle, curvature, end = np.zeros((nodes, n + 2)), np.zeros((nodes, n + 2)), np.zeros(n + 2)
-    end[:n], end[n] = arm.angles_at([1.0])[0], 1.0
+    end[:n], end[n] = arm.sections_at([1.0])[0], 1.0
     angle[:, :n], angle[:, n], curvature[:, :n] = arm.angle_basis, 1.0, arm.curvature_basis
     return angle, curvature, end
 

@@ -19,6 +19,7 @@ from affine_model.curvature import (
 )
 from affine_model.effect import Effect, Parameter
 from affine_model.effects import catalogue
+from affine_model.shear import Shear, energy_turned, shear_of, shear_stiffness
 from tentacle.errors import InputError
 from tentacle.law.in_use import follows_laws
 from tentacle.model import Model
@@ -84,7 +85,8 @@ class Arm:
     phi(s) = theta + l/L c(0) + int_0^s c dv,       2 U = int k c^2 ds + l/L k(0) c(0)^2
 
     l: specimen.clamp_length; U: elastic energy. A clamp that gives is one more node at s = 0. It bends with the weight
-    l / L and with all the laws of the arm's root; for masses and forces its weight is 0.
+    l / L and with all the laws of the arm's root; for masses and forces its weight is 0. Sections that shear
+    (specimen.shear_compliance) add gamma(0) to phi, and c is then the curvature of bending: see affine_model.shear.
     """
 
     specimen: Specimen
@@ -107,7 +109,7 @@ class Arm:
     @property
     def node_count(self) -> int:
         """N: the nodes of the rule, and a further one at s = 0 for a clamp that gives."""
-        return self.nodes + (self.clamp > 0.0)
+        return self.nodes + int(self.clamp > 0.0)
 
     @cached_property
     def rule(self) -> Quadrature:
@@ -122,23 +124,54 @@ class Arm:
         return np.append(self.clamp, weights[1:]) if self.clamp > 0.0 else weights
 
     @cached_property
+    def shear(self) -> Shear | None:
+        """How the sections shear; None where they do not."""
+        return shear_of(self.specimen, self.order) if self.specimen.shear_compliance > 0.0 else None
+
+    @property
+    def askew(self) -> Array | None:
+        """How the sections stand askew by the paper's q, (n + 1, n): Shear.gamma; None where they do not shear."""
+        return None if self.shear is None else self.shear.gamma
+
+    @cached_property
     def curvature_basis(self) -> Array:
-        """dc/dz at the nodes (N, n)."""
-        return curvature_basis(self.order, self.rule.s)
+        """dc/dz at the nodes (N, n). With shear, the square of c holds its energy too."""
+        s, shear = self.rule.s, self.shear
+        if shear is None:
+            return curvature_basis(self.order, s)
+        bending = np.vander(s, self.order, increasing=True) @ shear.bending @ self.to_monomial
+        weights = self.bending_weights * self.specimen.section.second_moment(s)
+        stiff = self.rule.weights * shear_stiffness(self.specimen, s)
+        return energy_turned(bending, shear.angles(s) @ self.to_monomial, (weights, stiff))
 
     @cached_property
     def angle_basis(self) -> Array:
-        """d alpha/dz at the nodes (N, n)."""
+        """d phi/dz at the nodes (N, n)."""
         return self.angles_at(self.rule.s)
 
     def angles_at(self, s: ArrayLike) -> Array:
-        """d alpha/dz at s (P,): shape (P, n). alpha is the angle along the arm with the turn of its clamp."""
+        """d phi/dz of the midline at s (P,): shape (P, n). It includes the turn of the root."""
         angles = angle_basis(self.order, s)
-        return angles + self.clamp * curvature_basis(self.order, [0.0]) if self.clamp > 0.0 else angles
+        return angles + self.root @ self.to_monomial if self.root.any() else angles
 
-    def root_turn(self, q1: Array) -> Array:
-        """How far a clamp that gives lets the root turn [rad], of the paper's q1 = c(0) [rad]; rates likewise."""
-        return self.clamp * q1
+    def sections_at(self, s: ArrayLike) -> Array:
+        """d psi/dz of the sections at s (P,): shape (P, n). Without shear they stand square to the midline."""
+        angles = self.angles_at(s)
+        return angles if self.shear is None else angles - self.shear.angles(s) @ self.to_monomial
+
+    @cached_property
+    def root(self) -> Array:
+        """How far the midline turns at s = 0 by each of the paper's q (n,): l / L c(0) + gamma(0)."""
+        if self.shear is None:
+            return self.clamp * np.eye(self.order)[0]
+        return np.asarray(self.clamp * self.shear.bending[0] + self.shear.gamma[0])
+
+    def root_turn(self, q: Array, axis: int = 0) -> Array:
+        """How far the midline turns at its root [rad], of the paper's q [rad] along an axis; rates likewise."""
+        turn = self.root[0] * np.take(q, 0, axis)
+        for j in np.flatnonzero(self.root[1:]) + 1:
+            turn = turn + self.root[j] * np.take(q, j, axis)
+        return np.asarray(turn)
 
     @cached_property
     def to_monomial(self) -> Array:

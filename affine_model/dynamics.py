@@ -68,7 +68,7 @@ def _numpy_constants(arm: Arm) -> tuple[tuple[Any, ...], dict[str, Any]]:
     bends; and the sections' quantities.
     """
     L, rule = arm.specimen.length, arm.rule
-    bases = arm.angle_basis, arm.curvature_basis, arm.angles_at([1.0])[0]
+    bases = arm.angle_basis, arm.curvature_basis, arm.sections_at([1.0])[0]
     return (L * rule.integration, L * rule.weights, *bases, L * arm.bending_weights), arm.node_quantities
 
 

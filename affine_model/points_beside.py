@@ -19,15 +19,22 @@ CHUNK = 256  # shapes at once: what stays in the nearest cache
 _sincos = njit(inline="always")(sincos)
 
 
-def points_beside(q: ArrayLike, theta: ArrayLike, length: float, s: ArrayLike, d: ArrayLike) -> Array:
-    """Positions of points (s, d) in the base frame, the base turned by theta: d (P,) [m] along the normal.
+def points_beside(
+    q: ArrayLike, theta: ArrayLike, length: float, s: ArrayLike, d: ArrayLike, shear: Array | None = None
+) -> Array:
+    """Positions of points (s, d) in the base frame, the base turned by theta: d (P,) [m] along the section's normal.
 
-    q (..., n) [rad], theta (...) [rad], s (P,): shape (..., P, 2) [m].
+    q (..., n) [rad], theta (...) [rad], s (P,): shape (..., P, 2) [m]. shear (n + 1, n): by how much sections stand
+    askew (affine_model.shear.Shear.gamma; None: square to the axis).
     """
     q, s = np.asarray(q, dtype=float), np.asarray(s, dtype=float)
     shapes, order = q.reshape(-1, q.shape[-1]), np.arange(1, q.shape[-1] + 1)
     angle = np.broadcast_to(np.asarray(theta, dtype=float), q.shape[:-1]).ravel()
     along = np.concatenate([quadrature(NODES).s, s])[:, None] ** order / order
+    if shear is not None:  # of the points alone, not of the axis: phi - gamma
+        askew = np.vander(s, len(shear), increasing=True)
+        along = np.concatenate([along, np.pad(-askew, ((along.shape[0] - s.size, 0), (0, 0)))], axis=1)
+        shapes = np.concatenate([shapes, shapes @ shear.T], axis=1)
     weights = np.concatenate([length * integration_to(NODES, s).T, np.diag(np.asarray(d, dtype=float))])
     found = _points(np.ascontiguousarray(shapes.T), angle, along, weights)
     return np.asarray(found.T.reshape(*q.shape[:-1], s.size, 2))

@@ -31,7 +31,7 @@ def tip_load(arm: Arm, z: Array, theta: float, load: TipLoad) -> Array:
     """
     phi = theta + z @ arm.angle_basis.T
     arm_of_force = -(np.cos(phi) * load.force[0] + np.sin(phi) * load.force[1]) * arm.specimen.length * arm.rule.weights
-    return arm_of_force @ arm.angle_basis + load.moment * arm.angles_at([1.0])[0]
+    return arm_of_force @ arm.angle_basis + load.moment * arm.sections_at([1.0])[0]
 
 
 def static_force(arm: Arm, parameters: Array, z: Array, theta: float = 0.0, t: float = 0.0) -> Array:

@@ -32,7 +32,7 @@ def arm_row(arm: Arm) -> Tensor:
     specimen, gravity = arm.specimen, arm.gravity
     payload = [specimen.tip_mass, specimen.tip_mass_reach, specimen.tip_mass_drop, specimen.tip_mass_density]
     whole = [specimen.length, specimen.density, *payload, arm.fluid.density, gravity.angle, gravity.magnitude]
-    held = [float(arm.order), float(arm.nodes), specimen.clamp_length]
+    held = [float(arm.order), float(arm.nodes), specimen.clamp_length, specimen.shear_compliance]
     return torch.tensor([*shape, *whole, *held], dtype=torch.float64)
 
 
@@ -43,10 +43,11 @@ def arm_from_row(row: Tensor) -> Arm:
 
 @lru_cache(maxsize=64)
 def _arm(row: tuple[float, ...]) -> Arm:
-    kind, a, b, length, density, *payload, fluid, angle, magnitude, order, nodes, clamp = row
+    kind, a, b, length, density, *payload, fluid, angle, magnitude, order, nodes, clamp, shear = row
     mass, reach, drop, of_payload = payload
     section = Cone(a, b) if kind == 0.0 else Rectangle(a, b)
-    specimen = Specimen(section, length, density, mass, "section", reach, drop, of_payload, clamp_length=clamp)
+    yielding = {"clamp_length": clamp, "shear_compliance": shear}
+    specimen = Specimen(section, length, density, mass, "section", reach, drop, of_payload, **yielding)
     return Arm(specimen, Fluid(fluid), Gravity(angle, magnitude), int(order), int(nodes))
 
 

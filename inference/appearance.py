@@ -33,9 +33,10 @@ class Motion:
 @dataclass(frozen=True)
 class Appearance:
     """The arm at an observation's T instants: q (T, n, B); theta (T, B), the direction of its root, which is the base's
-    angle and the turn of a clamp that gives; roll [rad] and excess of scale (B,) of the camera, and shift (2, B) [m] of
+    angle and the turn of the root (Arm.root_turn); roll [rad] and excess of scale (B,) of the camera, and shift (2, B) [m] of
     the clamp in its picture; zeros (G, B) of the sensors on the arm, (1, B) where all are 0; motion: None where it is
-    not known, and then an accelerometer says nothing.
+    not known, and then an accelerometer says nothing. shear (n + 1, n): how sections stand askew by q
+    (affine_model.shear.Shear.gamma; None: square to the midline).
     """
 
     q: Array
@@ -45,6 +46,7 @@ class Appearance:
     shift: Array
     zeros: Array
     motion: Motion | None = None
+    shear: Array | None = None
 
     @staticmethod
     def as_declared(q: Array, theta: Array) -> Appearance:
@@ -65,12 +67,20 @@ class Appearance:
             motion=self.motion and self.motion.of(lanes),
         )
 
+    def bending(self) -> Array:
+        """Coordinates (T, n, B) of the sections' curvature d psi / ds."""
+        if self.shear is None:
+            return self.q
+        return np.asarray(self.q - (np.arange(1, len(self.shear))[:, None] * self.shear[1:]) @ self.q)
+
     def turning(self) -> Turning | None:
         """The arm's directions and their derivatives; None where they are not known."""
         if self.motion is None:
             return None
         return Turning(
-            np.concatenate([self.q[None], self.motion.q]), np.concatenate([self.theta[None], self.motion.theta])
+            np.concatenate([self.q[None], self.motion.q]),
+            np.concatenate([self.theta[None], self.motion.theta]),
+            self.shear,
         )
 
 

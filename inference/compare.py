@@ -79,7 +79,7 @@ def model_run(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | No
     scale = 1.0 + sight.excess
     q, theta = prediction.q[:, :, 0], prediction.theta[:, 0] + sight.roll
     length = experiment.arm(problem.arm).specimen.length
-    shape = midline(q, theta, length, s) if d is None else points_beside(q, theta, length, s, d)
+    shape = midline(q, theta, length, s) if d is None else points_beside(q, theta, length, s, d, prediction.shear)
     points = scale * shape + prediction.shift[:, 0]
     z = q @ problem.arm.from_monomial.T
     q_shown, angle = np.full((z.shape[0], 2), np.nan), np.full((z.shape[0], s.size), np.nan)

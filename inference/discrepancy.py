@@ -35,6 +35,7 @@ LONGEST_CHAIN_RUN = 40.0  # s of each recording that the chain is run for
 MIDLINE_POINTS = np.linspace(0.0, 1.0, 41)
 EDGE_POINTS = np.linspace(0.02, 0.98, 41)  # a tracker sees edges all along, but for the corners at the ends
 RIGID = 1e-9  # rad: a base angle's offset that varies less is one number for the whole recording
+SHEAR = "specimen.shear_compliance"
 BESIDE_THE_ARM = ("servo", "measurement")  # families of effects that do not bend it
 
 
@@ -75,10 +76,11 @@ def model_discrepancy(problem: Problem, fitted: Fit, added: tuple[str, ...] = ()
 
     None if no recording shows shapes of a moving base, or if the chain cannot run with these parameters. added: absent
     effects that the model has; they stay as fitted. Effects of servo and camera do not bend the arm, so neither chain
-    nor reduced model has them.
+    nor reduced model has them. Links do not shear, so that neither does.
     """
     bending = tuple(name for name in added if catalogue()[name].family not in BESIDE_THE_ARM)
     problem, parameters = problem.known(fitted.parameters.copy())
+    problem = _without_shear(problem)
     for name in set(added) - set(bending):
         for parameter in catalogue()[name].parameters:
             parameters[parameter_index(name, parameter.name)] = parameter.neutral
@@ -109,6 +111,15 @@ def model_discrepancy(problem: Problem, fitted: Fit, added: tuple[str, ...] = ()
         return None
     lost = 1e3 * float(np.sqrt(np.mean(np.square(distances))))
     return ModelDiscrepancy(_rms(fitted_rows), _rms(judged_rows), lost, tuple(beyond))
+
+
+def _without_shear(problem: Problem) -> Problem:
+    """The problem of arms whose sections stand square to the midline."""
+    experiments = [
+        replace(e, differs=tuple(one for one in e.differs if one[0] != SHEAR)) for e in problem.experiments
+    ]
+    arm = replace(problem.arm, specimen=replace(problem.arm.specimen, shear_compliance=0.0))
+    return replace(problem, arm=arm, experiments=tuple(experiments))
 
 
 def without_discrepancy(problem: Problem, reduction: ModelDiscrepancy) -> Problem | None:

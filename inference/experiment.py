@@ -255,7 +255,7 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     if np.all(times == times[:, :1]):
         times = times[:, :1]
     q = at_times(batch.t, batch.q, batch.q_rate, times)
-    theta = at_times(batch.t, batch.theta[:, None], batch.theta_rate[:, None], times)[:, 0] + arm.root_turn(q[:, 0])
+    theta = at_times(batch.t, batch.theta[:, None], batch.theta_rate[:, None], times)[:, 0] + arm.root_turn(q, 1)
     shift = experiment.shift(n, nuisances) + arm.specimen.length * np.array(sight.shift)
     motion = None
     if any(sensor.moves for sensor in experiment.observation.sensors):
@@ -263,7 +263,7 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
         motion = motion_at(arm, batch, times, pull)
     none = np.zeros(batch.q.shape[2])
     return Prediction(
-        q, theta, sight.roll + none, sight.excess + none, shift, experiment.zeros(n, nuisances), motion, batch=batch
+        q, theta, sight.roll + none, sight.excess + none, shift, experiment.zeros(n, nuisances), motion, arm.askew, batch=batch
     )
 
 

@@ -80,13 +80,13 @@ def _seen(arm: Arm, experiment: Experiment, parameters: Array, run: Prediction) 
     roll, excess = np.full(n + 3, sight.roll), np.full(n + 3, sight.excess)
     q, theta = np.repeat(run.q, n + 3, axis=2), np.repeat(run.theta, n + 3, axis=1)
     q[:, :, 1 : n + 1] += ANGLE_STEP * arm.to_monomial[None]
-    theta[:, 1 : n + 1] += ANGLE_STEP * arm.root_turn(arm.to_monomial[0])
+    theta[:, 1 : n + 1] += ANGLE_STEP * arm.root_turn(arm.to_monomial)
     theta[:, n + 1] += ANGLE_STEP
     excess[n + 2] += ANGLE_STEP
-    shown = Appearance(q, theta, roll, excess, np.repeat(run.shift, n + 3, axis=1), np.zeros((1, n + 3)))
+    shown = Appearance(q, theta, roll, excess, np.repeat(run.shift, n + 3, axis=1), np.zeros((1, n + 3)), None, run.shear)
     rows = observation.predict(shown) / experiment.noise_gain[:, None]
     changes = [(rows[:, :, :1] - rows[:, :, 1:]) / ANGLE_STEP]
-    moving = Appearance(run.q, run.theta, roll[:1], excess[:1], run.shift, np.zeros((1, 1)), run.motion)
+    moving = Appearance(run.q, run.theta, roll[:1], excess[:1], run.shift, np.zeros((1, 1)), run.motion, run.shear)
     here = rows[:, :, :1] if run.motion is None else observation.predict(moving) / experiment.noise_gain[:, None]
     for moved in observation.moved_places(PLACE_STEP):
         changes.append((here - moved.predict(moving) / experiment.noise_gain[:, None]) / PLACE_STEP)

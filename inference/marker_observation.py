@@ -65,7 +65,7 @@ class MarkerObservation(Observation):
     def predict(self, seen: Appearance) -> Array:
         """Whitened residuals (T, 2 M, B); 0 where a marker was not seen."""
         shape = np.moveaxis(seen.q, 1, -1)  # (T, B, n)
-        points = points_beside(shape, seen.theta + seen.roll, self.length, self.s, self.d)
+        points = points_beside(shape, seen.theta + seen.roll, self.length, self.s, self.d, seen.shear)
         points = points * (1.0 + seen.excess)[:, None, None] + seen.shift.T[:, None, :]
         error = (self.xy[:, None] - points) / self.sigma
         return np.nan_to_num(np.moveaxis(error.reshape(*error.shape[:2], -1), 1, -1))

@@ -50,4 +50,4 @@ def motion_at(arm: Arm, batch: Batch, times: Array, pull: Array) -> Motion:
         return np.stack([np.where(before, rates[:1], found[0]), np.where(before, 0.0, found[1])])
 
     q, theta = both(batch.q, batch.q_rate), both(batch.theta[:, None], batch.theta_rate[:, None])[:, :, 0]
-    return Motion(q, theta + arm.root_turn(q[:, :, 0]), pull)
+    return Motion(q, theta + arm.root_turn(q, 2), pull)

@@ -1,6 +1,6 @@
 """A sensor on the arm that is read beside the pictures, and the two kinds of them.
 
-    strain(t) = d / L  mean over the gauge of  d phi / ds,        phi(s) = theta + sum_j q_j s^j / j
+    strain(t) = d / L  mean over the gauge of  d psi / ds,        psi: the turn of the sections
     f(t) = (r''(s, d) - g) . axis,                                axis: n or t there, as it was glued
 
 Each reading is that, plus a zero that is an unknown of the recording, plus noise.
@@ -77,7 +77,7 @@ class Gauge(Sensor):
     error = (0.0, SHAPE_SHARE, SHAPE_TIME)
 
     def read(self, seen: Appearance, length: float) -> Array:
-        return mean_curvature(self.gauge.ends(length), seen.q) * (self.gauge.d / length)
+        return mean_curvature(self.gauge.ends(length), seen.bending()) * (self.gauge.d / length)
 
     def moved(self, step: float, length: float) -> tuple[Self, ...]:
         one = self.gauge
@@ -127,7 +127,7 @@ class AccelerometerAxis(Sensor):
 
 
 def mean_curvature(ends: tuple[float, float], q: Array) -> Array:
-    """Mean of d phi / ds (T, B) over that part of the arm, for q (T, n, B); at a point where both ends are one."""
+    """Mean of the curvature (T, B) over that part of the arm, for q (T, n, B); at a point where both ends are one."""
     j = np.arange(1, q.shape[1] + 1)
     first, last = ends
     row = first ** (j - 1.0) if last <= first else (last**j - first**j) / (j * (last - first))

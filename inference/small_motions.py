@@ -143,13 +143,13 @@ def _seen_of(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arr
     n = arm.order
     q = np.repeat((smooth[:, :n] @ arm.to_monomial.T)[:, :, None], 1 + n, axis=2)
     q[:, :, 1:] += STATE_DIFFERENCE * arm.to_monomial
-    theta = smooth[:, n : n + 1] + arm.root_turn(q[:, 0])
+    theta = smooth[:, n : n + 1] + arm.root_turn(q, 1)
     sight = sight_of(parameters)
     shift = arm.specimen.length * np.array(sight.shift, dtype=float) + experiment.shift(n, nuisances)
     none = np.zeros(1 + n)
     zeros = experiment.zeros(n, nuisances)[:, None]
     return whitened_residuals(
-        experiment, Appearance(q, theta, sight.roll + none, sight.excess + none, shift[:, None], zeros)
+        experiment, Appearance(q, theta, sight.roll + none, sight.excess + none, shift[:, None], zeros, None, arm.askew)
     )
 
 

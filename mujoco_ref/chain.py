@@ -198,8 +198,12 @@ def build_chain(
     """Compile the chain; stiffness k and damping d (n,) at the hinges in the paper's units (per unit curvature c).
 
     A hinge at the middle of a segment bends by c/n, so that its own stiffness is n k. hung: a body at the tip besides
-    the specimen's payload. InputError where links < 2 or k <= 0 at some hinge.
+    the specimen's payload. InputError where links < 2 or k <= 0 at some hinge, and for sections that shear: links are
+    rigid.
     """
+    if specimen.shear_compliance > 0.0:
+        given = f"{specimen.shear_compliance:g} is not in the chain of rigid links"
+        raise InputError(given, field="shear_compliance", expected="0 for the MuJoCo reference")
     if flexure.links < 2:
         raise InputError(f"{flexure.links} is too few", field="links", expected="an integer >= 2")
     (starts, ends), s = link_bounds(specimen, flexure.links), hinge_positions(specimen, flexure.links)

@@ -30,6 +30,7 @@ SPECIMEN_FIELDS = {
     "width_m": "section_width",
     "height_m": "height",
     "clamp_length_m": "clamp_length",
+    "shear_compliance": "shear_compliance",
 }
 NORMAL_REACH = 6.0  # standard deviations within which a normal number is searched (2e-9 of its probability lies beyond)
 

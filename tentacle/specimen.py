@@ -29,6 +29,7 @@ def _require_positive(**values: float) -> None:
             raise InputError(f"{value!r} is not usable", field=name, expected="a positive number")
 
 
+MOST_SHEAR = 10.0  # times that of an incompressible solid: a porous or layered section
 LARGEST_RADIUS = 100.0  # m: no arm is thicker; the fourth power of what a wrong file states would overflow
 
 
@@ -72,6 +73,11 @@ class Cone:
         """C_a: water carried along the normal, over that in a circle of the width."""
         return 1.0
 
+    @property
+    def shear_coefficient(self) -> float:
+        """kappa of an incompressible circle (Cowper 1966)."""
+        return 0.9
+
 
 @dataclass(frozen=True)
 class Rectangle:
@@ -108,6 +114,11 @@ class Rectangle:
         """C_a: water carried along the normal, over that in a circle of the width."""
         return float(np.interp(self.height / self.section_width, _FLATNESS, _RECTANGLE))
 
+    @property
+    def shear_coefficient(self) -> float:
+        """kappa of an incompressible rectangle (Cowper 1966)."""
+        return 6.0 / 7.0
+
 
 Section = Cone | Rectangle
 
@@ -124,7 +135,8 @@ class Specimen:
     shapes the outline in a picture only: mass and stiffness neglect the silicone that a rounding takes off.
     laws: effects of the catalogue that are known to act in this arm, with unknown strength. clamp_length [m]: how much
     the clamp gives. It turns as much as a further length l of the arm's root would bend, massless and dry: its
-    stiffness is k(0) L / l, that of an elastic section E I(0) / l. 0 is a rigid clamp.
+    stiffness is k(0) L / l, that of an elastic section E I(0) / l. 0 is a rigid clamp. shear_compliance: how much the
+    sections shear, over those of an incompressible solid (Timoshenko 1921). 0: they stand square to the midline.
     """
 
     section: Section
@@ -138,6 +150,7 @@ class Specimen:
     tip_rounding: float | None = None
     laws: tuple[str, ...] = ()
     clamp_length: float = 0.0
+    shear_compliance: float = 0.0
 
     def __post_init__(self) -> None:
         _require_positive(
@@ -151,6 +164,9 @@ class Specimen:
         if not 0.0 <= self.clamp_length <= self.length:
             expected = "metres, from 0 (rigid) to an arm's length"
             raise InputError(f"{self.clamp_length!r} is not usable", field="clamp_length_m", expected=expected)
+        if not 0.0 <= self.shear_compliance <= MOST_SHEAR:
+            expected = f"a number from 0 (no shear) to {MOST_SHEAR:g}; 1: an incompressible solid"
+            raise InputError(f"{self.shear_compliance!r} is not usable", field="shear_compliance", expected=expected)
         rounding, widest = self.tip_rounding, float(self.section.half_thickness(1.0))
         if rounding is not None and not 0.0 <= rounding <= widest * (1.0 + 1e-9):
             expected = f"metres, from 0 (a flat cut) to the tip's radius of {widest:g}"

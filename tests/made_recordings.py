@@ -57,7 +57,7 @@ def record_declared(declaration: Declaration, hidden: Mapping[tuple[str, str], f
     batch = simulate(arm, parameters[:, None], base, Timing(STEP, round(1.0 / STEP / FPS)))
     theta = run.wave(batch.t)[0]  # as commanded
     q = batch.q[:, :, 0]
-    points = midline(q, batch.theta[:, 0] + arm.root_turn(q[:, 0]), arm.specimen.length, S)
+    points = midline(q, batch.theta[:, 0] + arm.root_turn(q, 1), arm.specimen.length, S)
     points = points + run.noise * np.random.default_rng(run.seed).standard_normal(points.shape)
     seen = Midline(batch.t, S, points, np.full(points.shape[:2], run.noise))
     return Recording("made", declaration, motor=MotorSignal(batch.t, theta, theta), midline=seen)

@@ -119,7 +119,7 @@ def affine_tip(model: Model, order: int) -> np.ndarray:
 
     arm = arm_of(replace(model, order=order))
     q = equilibrium(arm, parameter_vector(model), 0.0)
-    return midline(q, arm.root_turn(q[0]), model.specimen.length, np.array([1.0]))[0]
+    return midline(q, arm.root_turn(q), model.specimen.length, np.array([1.0]))[0]
 
 
 def reference_tip(model: Model, links: int) -> np.ndarray:

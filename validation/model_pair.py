@@ -83,7 +83,7 @@ def affine_twin(
     # A reading at a frame is the mean of those over the intervals beside it.
     at_frames = np.concatenate([load[:1], 0.5 * (load[1:] + load[:-1])])
     coordinates = run.q[:frames, :, 0]
-    theta, turn = run.theta[:frames, 0], arm.root_turn(coordinates[:, 0])
+    theta, turn = run.theta[:frames, 0], arm.root_turn(coordinates, 1)
     xy = midline(coordinates, theta + turn, model.specimen.length, S)
     alpha = turn[:, None] + coordinates @ np.stack([S**j / j for j in range(1, order + 1)])
     return Twin(run.t[:frames], theta, xy, reduced(alpha), at_frames - net_weight(model))

@@ -42,7 +42,7 @@ def swim_film(
     n, s, t = arm.order, np.linspace(0.0, 1.0, points), step * substeps * np.arange(len(course.u), dtype=np.float64)
     theta, y = course.u[:, n, 0], course.u[:, n + 1, 0]
     q = course.u[:, :n, 0] @ arm.to_monomial.T
-    xy = midline(q, theta + arm.root_turn(q[:, 0]), arm.specimen.length, s)
+    xy = midline(q, theta + arm.root_turn(q, 1), arm.specimen.length, s)
     xy[:, :, 1] += y[:, None]
     if trial.free:
         xy[:, :, 0] += course.u[:, n + 2]

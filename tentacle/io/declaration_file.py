@@ -19,6 +19,7 @@ from tentacle.signals import Accelerometer, StrainGauge
 from tentacle.specimen import (
     AIR,
     HANGING_DOWN,
+    MOST_SHEAR,
     STANDARD_GRAVITY,
     STEEL,
     AddedMass,
@@ -110,6 +111,7 @@ def parse_specimen(table: Table) -> Specimen:
         tip_rounding=table.number("tip_rounding_m", least=0) if "tip_rounding_m" in table else None,
         laws=table.names("laws"),
         clamp_length=table.measured("clamp_length_m", 0.0, least=0, most=length),
+        shear_compliance=table.measured("shear_compliance", 0.0, least=0, most=MOST_SHEAR),
     )
     table.finish()
     thickness = 2.0 * float(section.half_thickness(0.0))
@@ -249,6 +251,7 @@ def specimen_table(specimen: Specimen) -> dict[str, Any]:
         ("tip_mass_drop_m", specimen.tip_mass_drop, 0.0),
         ("tip_mass_density_kg_m3", specimen.tip_mass_density, STEEL),
         ("clamp_length_m", specimen.clamp_length, 0.0),
+        ("shear_compliance", specimen.shear_compliance, 0.0),
     )
     laws = {"laws": list(specimen.laws)} if specimen.laws else {}
     return {

@@ -33,10 +33,10 @@ def test_a_tip_load_bends_the_beam_and_turns_its_clamp(parameters, share):
     # of the load, (w / L)^2 of 1e-8 and less.
     arm, length, force = behind(BEAM, share, fluid=AIR, gravity=WEIGHTLESS), BEAM.length, 3e-7
     q = equilibrium(arm, parameters(elasticity__E=E), load=TipLoad(force=(force, 0.0)))
-    tip = midline(q, arm.root_turn(q[0]), length, [1.0])[0]
+    tip = midline(q, arm.root_turn(q), length, [1.0])[0]
     spring = BENDING / (share * length)
     assert tip[0] == pytest.approx(force * length**3 / (3.0 * BENDING) + force * length**2 / spring, rel=1e-6)
-    assert arm.root_turn(q[0]) == pytest.approx(-force * length / spring, rel=1e-6)  # towards +x is clockwise
+    assert arm.root_turn(q) == pytest.approx(-force * length / spring, rel=1e-6)  # towards +x is clockwise
 
 
 @pytest.mark.parametrize("share", SHARES)
@@ -90,7 +90,7 @@ def test_a_clamp_without_loss_keeps_the_energy(parameters):
         moving = 0.5 * np.einsum("jt,tjk,kt->t", rate, mass[:, :3, :3], rate)
         bend = arm.curvature_basis @ z
         along = 0.5 * BENDING / BEAM.length * (arm.rule.weights @ bend**2)
-        turn = arm.root_turn(run.q[:, 0, 0])
+        turn = arm.root_turn(run.q[:, :, 0], 1)
         return moving + along + 0.5 * BENDING / (share * BEAM.length) * turn**2, turn
 
     (coarse, turn), (fine, _) = energies(2e-3), energies(1e-3)

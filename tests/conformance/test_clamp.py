@@ -52,7 +52,7 @@ def test_both_models_swing_alike(share):
     base = base_table(wave, Steps(0.0, STEP, round(SECONDS / STEP)), parameters)
     run = simulate(arm, parameters, base, Timing(STEP, round(1.0 / STEP / FPS)))
     q = run.q[:, :, 0]
-    ours = midline(q, run.theta[:, 0] + arm.root_turn(q[:, 0]), ARM.length, s)
+    ours = midline(q, run.theta[:, 0] + arm.root_turn(q, 1), ARM.length, s)
     setup = Setup(links=40, s=s, initial=Initial(np.zeros(ORDER), np.zeros(ORDER)))
     chain = reference(model, wave, SECONDS, FPS, setup=setup)
     apart = np.sqrt(np.mean(np.sum((ours[: len(chain.t)] - chain.midline.xy) ** 2, axis=2)))

@@ -82,12 +82,12 @@ def test_an_accelerometer_feels_the_turning_of_the_root() -> None:
     times = batch.t[kept, None]
     motion = motion_at(arm, batch, times, np.zeros((1, 2, 1)))
     q = at_times(batch.t, batch.q, batch.q_rate, times)
-    root = batch.theta[kept] + arm.root_turn(q[:, 0])
+    root = batch.theta[kept] + arm.root_turn(q, 1)
     shown = replace(Appearance.as_declared(q, root), motion=motion)
     s, d = 0.9, 0.004
     axes = (Accelerometer(s, d, "normal"), Accelerometer(s, d, "tangent"))
     felt = [AccelerometerAxis("", 1.0, axis).read(shown, arm.specimen.length)[:, 0] for axis in axes]
-    theta = batch.theta[:, 0] + arm.root_turn(batch.q[:, 0, 0])
+    theta = batch.theta[:, 0] + arm.root_turn(batch.q[:, :, 0], 1)
     xy = points_beside(batch.q[:, :, 0], theta, arm.specimen.length, [s], [d])
     second = ((xy[2:] - 2.0 * xy[1:-1] + xy[:-2]) / step**2)[199:-199, 0]
     phi = shown.turning().angles(np.array([s]))[0, :, 0, 0]

@@ -101,7 +101,7 @@ def _first_shape(model: Model, shown: ObservedPoints, theta: float) -> Array:
     usable, arm = np.isfinite(first).all(axis=1), arm_of(model)
 
     def miss(q: Array) -> Array:
-        at = points_beside(q, theta + arm.root_turn(q[0]), model.specimen.length, shown.s[usable], shown.d[usable])
+        at = points_beside(q, theta + arm.root_turn(q), model.specimen.length, shown.s[usable], shown.d[usable], arm.askew)
         return np.concatenate([((at - first[usable]) / model.specimen.length).ravel(), 1e-3 * q])
 
     return np.asarray(least_squares(miss, np.zeros(model.order)).x, dtype=float)
@@ -175,11 +175,11 @@ class _Ours:
         index, share = place.astype(int), (place - place.astype(int))[:, None, None]
         bend = (1.0 - share) * run.q[index] + share * run.q[index + 1]
         theta = (1.0 - share[..., 0]) * run.theta[index] + share[..., 0] * run.theta[index + 1]
-        theta = theta + self.arm.root_turn(bend[:, 0])
-        length = self.model.specimen.length
+        theta = theta + self.arm.root_turn(bend, 1)
+        length, places = self.model.specimen.length, (self.shown.s, self.shown.d, self.arm.askew)
         shown = [
             as_camera_has_it(
-                self.model, points_beside(bend[..., b], theta[:, b], length, self.shown.s, self.shown.d), shift[:, b]
+                self.model, points_beside(bend[..., b], theta[:, b], length, *places), shift[:, b]
             )
             for b in range(count)
         ]
