@@ -23,7 +23,7 @@ from affine_model.curvature import Array, quadrature
 from tentacle.errors import InputError
 from tentacle.specimen import Specimen
 
-SMALL = 0.5  # how much of a coordinate may be shear: the slaved shear is the first order in it
+MOST = 1.0  # of a coordinate that may be shear: beyond it c would be found from the midline with ever larger errors
 SECTION_DEGREE = 4  # of I(s) of a cone
 
 
@@ -44,11 +44,11 @@ class Shear:
 def shear_of(specimen: Specimen, order: int) -> Shear:
     """The shear of an arm's sections with so many coordinates.
 
-    InputError where the arm is so thick, for its number of coordinates, that shear is no small part of its bending.
+    InputError where the arm is so thick, for its number of coordinates, that the midline mostly shows shear.
     """
     gamma = _by_bending(specimen, order)
     midline = np.eye(order) + np.arange(1, order + 1)[:, None] * gamma[1:]
-    if np.max(np.abs(midline - np.eye(order))) > SMALL:
+    if np.max(np.abs(midline - np.eye(order))) > MOST:
         expected = f"a smaller one, 0, or fewer than {order} coordinates: this arm is thick"
         raise InputError(f"{specimen.shear_compliance:g} is not usable", field="shear_compliance", expected=expected)
     bending = np.linalg.inv(midline)

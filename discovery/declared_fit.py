@@ -104,6 +104,7 @@ def _prepared(given: Given, deciding: Deciding) -> tuple[list[Prepared], Setting
     prepared += [held_out_run(read(recording, hold_out=False)) for recording in given.held_out]
     complete = [read(recording, hold_out=False) for recording in given.baseline]
     complete = [replace(p, experiment=replace(p.experiment, complete=True)) for p in complete]
+    prepared[0] = replace(prepared[0], words=(*prepared[0].words, *given.words))
     declaration, together = one_arm([*prepared, *complete])
     setting = Setting(declaration, tuple(p.experiment for p in together), 2)
     if len(setting.experiments) > 1:

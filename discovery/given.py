@@ -2,24 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from discovery.calibration import Calibration
 from inference.prepare import Prepared
 from tentacle.recording import Recording
 from tentacle.servo_limits import ServoLimits
+from tentacle.specimen import Specimen
 
 SERVO_UNDER_LOAD = ServoLimits(angle=0.8, speed=6.0, acceleration=60.0)  # of a hobby servo under an arm's load in water
 
 
 @dataclass(frozen=True)
 class Given:
-    """recordings: what is diagnosed; baseline: their declaration is complete; held_out: they only judge."""
+    """recordings: what is diagnosed; baseline: their declaration is complete; held_out: they only judge. words: what
+    was taken beside the declaration, and why.
+    """
 
     recordings: Sequence[Recording]
     baseline: Sequence[Recording] = ()
     held_out: Sequence[Recording] = ()
+    words: tuple[str, ...] = ()
 
     @property
     def all(self) -> tuple[Recording, ...]:
@@ -29,13 +33,21 @@ class Given:
     def with_laws(self, names: Iterable[str]) -> Given:
         """The same with more laws of the arm's own declared in every recording."""
 
+        more = tuple(names)
+        return self._declaring(lambda specimen: replace(specimen, laws=(*specimen.laws, *more)))
+
+    def with_shear(self, compliance: float, why: str) -> Given:
+        """The same arm with sections that shear (specimen.shear_compliance), declared in every recording."""
+        sheared = self._declaring(lambda specimen: replace(specimen, shear_compliance=compliance))
+        return replace(sheared, words=(*self.words, why))
+
+    def _declaring(self, change: Callable[[Specimen], Specimen]) -> Given:
         def declared(one: Recording) -> Recording:
-            specimen = one.declaration.specimen
-            own = replace(specimen, laws=(*specimen.laws, *names))
+            own = change(one.declaration.specimen)
             return replace(one, declaration=replace(one.declaration, specimen=own))
 
         parts = ([declared(one) for one in part] for part in (self.recordings, self.baseline, self.held_out))
-        return Given(*parts)
+        return Given(*parts, self.words)
 
 
 @dataclass(frozen=True)

@@ -9,18 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 from affine_model.curvature import Array
 from discovery.assemble import PosteriorContext, assemble_posterior
-from discovery.decide import decide_by_mass, missing_of
+from discovery.decide import PosteriorDecision, decide_by_mass, log_prior_of_set, missing_of
 from discovery.declared_fit import DeclaredFit, as_fitted, fit_declared, with_own_laws
 from discovery.detection import detection_limits
 from discovery.given import Deciding, Given
 from discovery.laws.propose import propose_laws
 from discovery.laws.rivals import sought_forms, with_laws
-from discovery.search import search_posterior
+from discovery.search import PosteriorSearch, search_posterior
+from discovery.sheared import sheared_fit
 from discovery.side_by_side import side_by_side
 from inference.decay import fit_from_release, has_decay
 from inference.discrepancy import ModelDiscrepancy, model_discrepancy, without_discrepancy
@@ -40,14 +41,37 @@ from tentacle.diagnosis import Diagnosis
 from tentacle.progress import Stage
 
 
+@dataclass(frozen=True)
+class Searched:
+    """What a search beside the declared model found: its fits, the reduction's error, the base, and a first decision of
+    all hypotheses.
+    """
+
+    declared: DeclaredFit
+    reduction: ModelDiscrepancy | None
+    base: Hypothesis
+    found: PosteriorSearch
+    first: PosteriorDecision
+
+    def score(self, temperature: float) -> float:
+        """Log posterior of its leading set, but for a constant, in likelihoods that are coarsened so much."""
+        leading = self.first.leading
+        return leading.highest() / temperature + log_prior_of_set(len(leading.effects))
+
+
 def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
     """What the recordings tell; CannotTellError where they show too little."""
-    return _closed(with_own_laws(fit_declared(given, deciding, progress), deciding, progress), seed, deciding, progress)
+    plain = fit_declared(given, deciding, progress)
+    sheared = sheared_fit(plain, deciding, progress)
+    both = plain if sheared is None or not given.baseline else None, sheared
+    found = [_searched(with_own_laws(one, deciding, progress), deciding, progress) for one in both if one is not None]
+    temperature = max(missing_of(one.found.hypotheses).temperature for one in found)
+    return _answered(max(found, key=lambda one: one.score(temperature)), seed, deciding, progress)
 
 
-def _closed(declared: DeclaredFit, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
-    """What the recordings tell beside the declared model and the laws that were taken."""
-    problem, fitted, shows, prepared = declared.problem, declared.fitted, declared.shows, declared.prepared
+def _searched(declared: DeclaredFit, deciding: Deciding, progress: Stage) -> Searched:
+    """What the recordings lack beside the declared model and the laws that were taken."""
+    problem, fitted, shows = declared.problem, declared.fitted, declared.shows
     progress("running the reference")
     reduction = model_discrepancy(problem, fitted)
     progress("searching the catalogue")
@@ -57,19 +81,21 @@ def _closed(declared: DeclaredFit, seed: int, deciding: Deciding, progress: Stag
     if shows is not None:
         base = shows.error.told(base)
     base = replace(base, motion=motion_nats(base.problem, base.fitted, base.forces, FORCE_SHARES[0]))
-    found = search_posterior(
-        base,
-        fitted,
-        lambda done: progress("searching the catalogue", done),
-    )
-    hypotheses = list(found.hypotheses)
-    first = decide_by_mass(hypotheses)
+    found = search_posterior(base, fitted, lambda done: progress("searching the catalogue", done))
+    first = decide_by_mass(list(found.hypotheses))
     if (more := declared.in_all(first)) is not None:
         with suppress(CannotTellError):  # the recordings are likelier with these laws where they were named
             in_all = fit_declared(declared.given.with_laws(first.leading.effects), deciding, progress, more)
-            return _closed(in_all, seed, deciding, progress)
-    leading = with_derivatives(first.leading)
-    limits = detection_limits(leading, missing_of(hypotheses).temperature)
+            return _searched(in_all, deciding, progress)
+    return Searched(declared, reduction, base, found, first)
+
+
+def _answered(searched: Searched, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
+    """The answer that a search leads to, with the errors of whole runs, and with laws where none was named."""
+    declared, reduction, base, found = searched.declared, searched.reduction, searched.base, searched.found
+    prepared = declared.prepared
+    leading = with_derivatives(searched.first.leading)
+    limits = detection_limits(leading, missing_of(found.hypotheses).temperature)
     progress("comparing")
     found = replace(found, hypotheses=tuple(_whole(h, prepared) for h in found.hypotheses))
     decision = decide_by_mass(list(found.hypotheses))

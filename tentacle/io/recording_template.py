@@ -43,6 +43,7 @@ def recording_text(answers: Answers) -> str:
 {_section_text(answers)}
 {_line("density_kg_m3", answers.density, "of the material: weigh a piece in air and in water")}
 # tip_mass_kg = 0.005          # a payload that you know of
+# shear_compliance = 1.0       # how much a thick arm's sections shear: 1, as an incompressible solid; 0, not at all
 # clamp_length_m = 0.003       # how much a soft clamp gives: it turns as this length of the arm's root would bend
 
 [fluid]
