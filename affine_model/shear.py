@@ -51,7 +51,7 @@ def shear_of(specimen: Specimen, order: int) -> Shear:
     if np.max(np.abs(midline - np.eye(order))) > MOST:
         expected = f"a smaller one, 0, or fewer than {order} coordinates: this arm is thick"
         raise InputError(f"{specimen.shear_compliance:g} is not usable", field="shear_compliance", expected=expected)
-    bending = np.linalg.inv(midline)
+    bending: Array = np.asarray(np.linalg.inv(midline), dtype=np.float64)
     return Shear(gamma @ bending, bending)
 
 

@@ -7,6 +7,7 @@ computed, one Newton correction a step included (affine_model.torch_adjoint).
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
@@ -46,8 +47,8 @@ def _arm(row: tuple[float, ...]) -> Arm:
     kind, a, b, length, density, *payload, fluid, angle, magnitude, order, nodes, clamp, shear = row
     mass, reach, drop, of_payload = payload
     section = Cone(a, b) if kind == 0.0 else Rectangle(a, b)
-    yielding = {"clamp_length": clamp, "shear_compliance": shear}
-    specimen = Specimen(section, length, density, mass, "section", reach, drop, of_payload, **yielding)
+    rigid = Specimen(section, length, density, mass, "section", reach, drop, of_payload)
+    specimen = replace(rigid, clamp_length=clamp, shear_compliance=shear)
     return Arm(specimen, Fluid(fluid), Gravity(angle, magnitude), int(order), int(nodes))
 
 

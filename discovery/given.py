@@ -46,8 +46,10 @@ class Given:
             own = change(one.declaration.specimen)
             return replace(one, declaration=replace(one.declaration, specimen=own))
 
-        parts = ([declared(one) for one in part] for part in (self.recordings, self.baseline, self.held_out))
-        return Given(*parts, self.words)
+        of, baseline, held_out = (
+            [declared(one) for one in part] for part in (self.recordings, self.baseline, self.held_out)
+        )
+        return Given(of, baseline, held_out, self.words)
 
 
 @dataclass(frozen=True)

@@ -33,9 +33,9 @@ class Motion:
 @dataclass(frozen=True)
 class Appearance:
     """The arm at an observation's T instants: q (T, n, B); theta (T, B), the direction of its root, which is the base's
-    angle and the turn of the root (Arm.root_turn); roll [rad] and excess of scale (B,) of the camera, and shift (2, B) [m] of
-    the clamp in its picture; zeros (G, B) of the sensors on the arm, (1, B) where all are 0; motion: None where it is
-    not known, and then an accelerometer says nothing. shear (n + 1, n): how sections stand askew by q
+    angle and the turn of the root (Arm.root_turn); roll [rad] and excess of scale (B,) of the camera, and shift (2, B)
+    [m] of the clamp in its picture; zeros (G, B) of the sensors on the arm, (1, B) where all are 0; motion: None where
+    it is not known, and then an accelerometer says nothing. shear (n + 1, n): how sections stand askew by q
     (affine_model.shear.Shear.gamma; None: square to the midline).
     """
 

@@ -115,9 +115,7 @@ def model_discrepancy(problem: Problem, fitted: Fit, added: tuple[str, ...] = ()
 
 def _without_shear(problem: Problem) -> Problem:
     """The problem of arms whose sections stand square to the midline."""
-    experiments = [
-        replace(e, differs=tuple(one for one in e.differs if one[0] != SHEAR)) for e in problem.experiments
-    ]
+    experiments = [replace(e, differs=tuple(one for one in e.differs if one[0] != SHEAR)) for e in problem.experiments]
     arm = replace(problem.arm, specimen=replace(problem.arm.specimen, shear_compliance=0.0))
     return replace(problem, arm=arm, experiments=tuple(experiments))
 

@@ -261,10 +261,8 @@ def predict(arm: Arm, experiment: Experiment, parameters: Array, nuisances: Arra
     if any(sensor.moves for sensor in experiment.observation.sensors):
         pull = _pull(experiment, gravity_of(arm, parameters), sight.seen_times(times))
         motion = motion_at(arm, batch, times, pull)
-    none = np.zeros(batch.q.shape[2])
-    return Prediction(
-        q, theta, sight.roll + none, sight.excess + none, shift, experiment.zeros(n, nuisances), motion, arm.askew, batch=batch
-    )
+    none, zeros = np.zeros(batch.q.shape[2]), experiment.zeros(n, nuisances)
+    return Prediction(q, theta, sight.roll + none, sight.excess + none, shift, zeros, motion, arm.askew, batch=batch)
 
 
 def _pull(experiment: Experiment, gravity: Array, times: Array) -> Array:

@@ -83,7 +83,8 @@ def _seen(arm: Arm, experiment: Experiment, parameters: Array, run: Prediction) 
     theta[:, 1 : n + 1] += ANGLE_STEP * arm.root_turn(arm.to_monomial)
     theta[:, n + 1] += ANGLE_STEP
     excess[n + 2] += ANGLE_STEP
-    shown = Appearance(q, theta, roll, excess, np.repeat(run.shift, n + 3, axis=1), np.zeros((1, n + 3)), None, run.shear)
+    shift, zeros = np.repeat(run.shift, n + 3, axis=1), np.zeros((1, n + 3))
+    shown = Appearance(q, theta, roll, excess, shift, zeros, None, run.shear)
     rows = observation.predict(shown) / experiment.noise_gain[:, None]
     changes = [(rows[:, :, :1] - rows[:, :, 1:]) / ANGLE_STEP]
     moving = Appearance(run.q, run.theta, roll[:1], excess[:1], run.shift, np.zeros((1, 1)), run.motion, run.shear)

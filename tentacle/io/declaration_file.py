@@ -267,18 +267,14 @@ def specimen_table(specimen: Specimen) -> dict[str, Any]:
 
 def fluid_table(fluid: Fluid) -> dict[str, Any]:
     """[fluid] of recording.toml and model.toml."""
-    table: dict[str, Any] = {"density_kg_m3": fluid.density}
-    if fluid.added_mass != "none":
-        table["added_mass"] = fluid.added_mass
-    return table
+    added = {} if fluid.added_mass == "none" else {"added_mass": fluid.added_mass}
+    return {"density_kg_m3": fluid.density, **added}
 
 
 def gravity_table(gravity: Gravity) -> dict[str, Any]:
     """[gravity] of recording.toml and model.toml."""
-    table = {"angle_rad": gravity.angle}
-    if gravity.magnitude != STANDARD_GRAVITY:
-        table["magnitude_m_s2"] = gravity.magnitude
-    return table
+    magnitude = {} if gravity.magnitude == STANDARD_GRAVITY else {"magnitude_m_s2": gravity.magnitude}
+    return {"angle_rad": gravity.angle, **magnitude}
 
 
 def format_recording_file(recording_file: RecordingFile) -> str:

@@ -1,4 +1,4 @@
-"""How much sections shear is found from a midline; markers, gauges and accelerometers lie on sections that stand askew."""
+"""How much sections shear is found from a midline; what lies on a section that stands askew turns with it."""
 
 from __future__ import annotations
 

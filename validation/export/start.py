@@ -101,7 +101,8 @@ def _first_shape(model: Model, shown: ObservedPoints, theta: float) -> Array:
     usable, arm = np.isfinite(first).all(axis=1), arm_of(model)
 
     def miss(q: Array) -> Array:
-        at = points_beside(q, theta + arm.root_turn(q), model.specimen.length, shown.s[usable], shown.d[usable], arm.askew)
+        places = (shown.s[usable], shown.d[usable], arm.askew)
+        at = points_beside(q, theta + arm.root_turn(q), model.specimen.length, *places)
         return np.concatenate([((at - first[usable]) / model.specimen.length).ravel(), 1e-3 * q])
 
     return np.asarray(least_squares(miss, np.zeros(model.order)).x, dtype=float)
@@ -178,9 +179,7 @@ class _Ours:
         theta = theta + self.arm.root_turn(bend, 1)
         length, places = self.model.specimen.length, (self.shown.s, self.shown.d, self.arm.askew)
         shown = [
-            as_camera_has_it(
-                self.model, points_beside(bend[..., b], theta[:, b], length, *places), shift[:, b]
-            )
+            as_camera_has_it(self.model, points_beside(bend[..., b], theta[:, b], length, *places), shift[:, b])
             for b in range(count)
         ]
         return np.stack(shown, axis=-1)
