@@ -4,9 +4,9 @@
 
 y_0: the baseline's recordings, or all where there is no baseline. So shear is taken as a law of the arm's own is
 (discovery.baseline_law). A baseline must then need no more than MOST_LEFT of the unknown forces: where it lacks more
-than shear, its laws' form gains as much. Shear has no strength to be fitted: the moduli of an incompressible solid have one ratio.
-Simulated beams mostly have none, so that it is not taken for granted. Without a baseline an effect may look like shear:
-then both models are searched, and the answer is that of
+than shear, its laws' form gains as much. Shear has no strength to be fitted: the moduli of an incompressible solid have
+one ratio. Simulated beams mostly have none, so that it is not taken for granted. Without a baseline an effect may look
+like shear: then both models are searched, and the answer is that of
 
     max over f of  log evidence(y | set, f) / T + log P(set)
 """
