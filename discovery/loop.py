@@ -42,7 +42,7 @@ from tentacle.progress import Stage
 
 
 @dataclass(frozen=True)
-class Searched:
+class LoopSearch:
     """What a search beside the declared model found: its fits, the reduction's error, the base, and a first decision of
     all hypotheses.
     """
@@ -69,7 +69,7 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
     return _answered(max(found, key=lambda one: one.score(temperature)), seed, deciding, progress)
 
 
-def _searched(declared: DeclaredFit, deciding: Deciding, progress: Stage) -> Searched:
+def _searched(declared: DeclaredFit, deciding: Deciding, progress: Stage) -> LoopSearch:
     """What the recordings lack beside the declared model and the laws that were taken."""
     problem, fitted, shows = declared.problem, declared.fitted, declared.shows
     progress("running the reference")
@@ -87,10 +87,10 @@ def _searched(declared: DeclaredFit, deciding: Deciding, progress: Stage) -> Sea
         with suppress(CannotTellError):  # the recordings are likelier with these laws where they were named
             in_all = fit_declared(declared.given.with_laws(first.leading.effects), deciding, progress, more)
             return _searched(in_all, deciding, progress)
-    return Searched(declared, reduction, base, found, first)
+    return LoopSearch(declared, reduction, base, found, first)
 
 
-def _answered(searched: Searched, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
+def _answered(searched: LoopSearch, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:
     """The answer that a search leads to, with the errors of whole runs, and with laws where none was named."""
     declared, reduction, base, found = searched.declared, searched.reduction, searched.base, searched.found
     prepared = declared.prepared
