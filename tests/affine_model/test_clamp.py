@@ -112,3 +112,14 @@ def test_a_rigid_clamp_is_as_before_and_a_little_give_changes_little(parameters)
     rigid, slopes = shape(0.0), [(shape(share) - shape(0.0)) / share for share in (1e-6, 1e-4)]
     assert np.abs(slopes[0]).max() > 0.1 * np.abs(rigid).max()
     np.testing.assert_allclose(slopes[0], slopes[1], rtol=1e-2)  # 1e-4 of the clamp's own size, and 1e-16 / 1e-6
+
+
+def test_a_length_that_comes_out_of_an_array_is_as_good_as_one_that_was_written(parameters):
+    # The kernel's text is made of the arm's numbers; np.int64(9) is no number of it.
+    p, still = parameters(elasticity__E=2e5)[:, None], np.zeros((3, 40, 1))
+    start = Start(np.array([[0.4], [-0.2]]))
+    runs = [
+        simulate(Arm(replace(CONE, clamp_length=length), WATER), p, still, Timing(1e-3), start=start).q
+        for length in (0.01, np.array([0.01])[0])
+    ]
+    np.testing.assert_array_equal(*runs)

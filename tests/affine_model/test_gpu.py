@@ -26,7 +26,7 @@ wp = pytest.importorskip("warp", reason="needs NVIDIA Warp")
 gpu = pytest.importorskip("affine_model.gpu")
 
 ARM = Arm(Specimen(Cone(0.0125, 0.003), 0.14, 1070.0, tip_mass=0.001), WATER, Gravity(0.2), order=2, nodes=6)
-GIVING = replace(ARM, specimen=replace(ARM.specimen, clamp_length=0.01))
+GIVING = replace(ARM, specimen=replace(ARM.specimen, clamp_length=0.01, shear_compliance=1.0))
 H, STEPS, COUNT = 1 / 500, 40, 3
 
 

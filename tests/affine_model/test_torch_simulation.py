@@ -18,7 +18,8 @@ from tentacle.specimen import WATER, Cone, Gravity, Rectangle, Specimen
 from tentacle.waveform import Sine
 
 ARM = Arm(Specimen(Cone(0.0125, 0.003), 0.14, 1070.0, tip_mass=0.001), WATER, Gravity(0.2), order=2, nodes=8)
-GIVING = replace(ARM, specimen=replace(ARM.specimen, clamp_length=0.01))  # behind a clamp that gives
+# Behind a clamp that gives, with sections that shear.
+GIVING = replace(ARM, specimen=replace(ARM.specimen, clamp_length=0.01, shear_compliance=1.0))
 H, STEPS = 1 / 200, 60
 BASE = {"elasticity__E": 2e5, "damping__eta": 2e3, "drag__C_perp": 1.1}
 Q0 = np.array([[0.4, -0.2], [-0.3, 0.1]])

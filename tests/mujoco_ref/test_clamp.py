@@ -73,6 +73,13 @@ def test_a_shape_turns_its_clamp_by_the_curvature_at_the_root():
     assert angles[-1] == pytest.approx(0.2 + 0.1 * 0.6 + 0.6 - 0.2, rel=1e-12)  # a linear curvature: exact
 
 
+def test_a_chain_of_rigid_links_refuses_sections_that_shear():
+    model = swimming_model()
+    sheared = replace(model, specimen=replace(model.specimen, shear_compliance=1.0))
+    with pytest.raises(InputError, match="shear_compliance"):
+        make_stepper(sheared)
+
+
 @pytest.mark.parametrize(
     "export",
     [export_urdf, lambda model: export_script(model, "pyelastica")],

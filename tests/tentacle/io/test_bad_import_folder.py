@@ -66,6 +66,10 @@ BAD = {
         good(recording__toml=CONE + "clamp_length_m = { value = nan, sd = 0.01 }"),
         "recording.toml:7: specimen.clamp_length_m.value: nan is out of range",
     ),
+    "shear against the load": (
+        good(recording__toml=CONE + "shear_compliance = -1"),
+        "recording.toml:7: specimen.shear_compliance: -1 is out of range; expected a number >= 0 and <= 10",
+    ),
     "unknown table": (good(recording__toml=CONE + "[fluids]\nx=1"), "fluids: unknown key (did you mean fluid?)"),
     "fluid": (good(recording__toml=CONE + "[fluid]\ndensity_kg_m3 = -1"), "recording.toml:8: fluid.density_kg_m3: -1"),
     "degrees": (

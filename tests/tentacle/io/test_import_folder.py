@@ -183,7 +183,7 @@ def test_a_long_csv_keeps_every_digit(tmp_path: Path) -> None:
 def test_uncertain_numbers_are_read_with_their_means_and_written_back(tmp_path: Path) -> None:
     cone = CONE.replace("1070", "{ value = 1050, sd = 40 }").replace("0.14", "{ low = 0.138, high = 0.142 }")
     gravity = "[gravity]\nangle_rad = { value = 0.1, sd = 0.02 }\n"
-    cone += "clamp_length_m = { value = 0.002, sd = 0.001 }\n"
+    cone += "clamp_length_m = { value = 0.002, sd = 0.001 }\nshear_compliance = { value = 1, sd = 0.5 }\n"
     text = cone + gravity + "[markers]\ntip = { s = { value = 0.9, sd = 0.01 }, d = 0 }\n"
     recording = read_folder(lab_folder(tmp_path / "lab", recording__toml=text, markers__csv=MARKERS))
     declaration = recording.declaration
@@ -192,9 +192,11 @@ def test_uncertain_numbers_are_read_with_their_means_and_written_back(tmp_path: 
     assert recording.markers is not None
     assert recording.markers.s[0] == 0.9
     fields = {number.field: number for number in declaration.uncertain}
-    of_specimen = {f"specimen.{name}" for name in ("density_kg_m3", "length_m", "clamp_length_m")}
+    names = ("density_kg_m3", "length_m", "clamp_length_m", "shear_compliance")
+    of_specimen = {f"specimen.{name}" for name in names}
     assert set(fields) == of_specimen | {"gravity.angle_rad", "markers.tip.s"}
     assert fields["specimen.density_kg_m3"].sd == 40.0
     assert fields["specimen.length_m"].bounds == (0.138, 0.142)
     assert fields["specimen.clamp_length_m"].bounds == (0.0, 0.008)  # no clamp gives less than a rigid one
+    assert fields["specimen.shear_compliance"].bounds == (0.0, 4.0)
     assert_equal_recordings(read_folder(write_folder(recording, tmp_path / "again")), recording)
