@@ -13,17 +13,18 @@ kappa of an incompressible section: Cowper 1966 (J. Appl. Mech. 33, 335).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import ArrayLike
 
-from affine_model.curvature import Array, quadrature
+from affine_model.curvature import Array, legendre_to_monomial, quadrature
 from tentacle.errors import InputError
-from tentacle.specimen import Specimen
+from tentacle.specimen import MOST_SHEAR, Specimen
 
-MOST = 1.0  # of a coordinate that may be shear: beyond it c would be found from the midline with ever larger errors
+MOST_CONDITION = 1e4  # by which c, found from the midline, may have larger errors than it: half the digits are left
+ROOM = 0.1  # of it, within which a fit moves the compliance: thickness and length may be uncertain too
 SECTION_DEGREE = 4  # of I(s) of a cone
 
 
@@ -44,15 +45,40 @@ class Shear:
 def shear_of(specimen: Specimen, order: int) -> Shear:
     """The shear of an arm's sections with so many coordinates.
 
-    InputError where the arm is so thick, for its number of coordinates, that the midline mostly shows shear.
+    InputError where the arm is so thick, for its number of coordinates, that the midline hardly shows how it bends.
     """
     gamma = _by_bending(specimen, order)
-    midline = np.eye(order) + np.arange(1, order + 1)[:, None] * gamma[1:]
-    if np.max(np.abs(midline - np.eye(order))) > MOST:
+    midline = _midline(gamma)
+    if _condition(midline) > MOST_CONDITION:
         expected = f"a smaller one, 0, or fewer than {order} coordinates: this arm is thick"
         raise InputError(f"{specimen.shear_compliance:g} is not usable", field="shear_compliance", expected=expected)
     bending: Array = np.asarray(np.linalg.inv(midline), dtype=np.float64)
     return Shear(gamma @ bending, bending)
+
+
+def most_compliance(specimen: Specimen, order: int) -> float:
+    """The largest shear_compliance with which an arm of so many coordinates can be fitted."""
+    solid = _by_bending(replace(specimen, shear_compliance=1.0), order)
+    low, high = 0.0, MOST_SHEAR
+    for _ in range(20):  # to a millionth: gamma is linear in it
+        middle = 0.5 * (low + high)
+        fits = _condition(_midline(middle * solid)) <= ROOM * MOST_CONDITION
+        low, high = (middle, high) if fits else (low, middle)
+    return low
+
+
+def _midline(gamma: Array) -> Array:
+    """Coordinates q of the midline by those of c: phi' = c + gamma'."""
+    order = gamma.shape[1]
+    return np.asarray(np.eye(order) + np.arange(1, order + 1)[:, None] * gamma[1:])
+
+
+def _condition(midline: Array) -> float:
+    """The condition of that matrix in Legendre coordinates; inf where a larger shear turned a coordinate's sign."""
+    if np.min(np.diag(midline)) <= 0.0:
+        return np.inf
+    to_monomial = legendre_to_monomial(len(midline))
+    return float(np.linalg.cond(np.linalg.solve(to_monomial, midline @ to_monomial)))
 
 
 def energy_turned(basis: Array, shear: Array, weights: tuple[Array, Array]) -> Array:

@@ -24,7 +24,7 @@ from discovery.decide import DECLARED_FORM
 from discovery.declared_fit import DeclaredFit, fit_declared
 from discovery.given import Deciding
 from discovery.side_by_side import side_by_side
-from inference.discrepancy import SHEAR
+from inference.declared_arm import SHEAR
 from inference.posterior import Hypothesis, baseline_alone, declared_model
 from inference.prepare import CannotTellError
 from inference.trajectory import Problem

@@ -10,7 +10,8 @@ from affine_model.arm import Arm, arm_of, declared_parameters, parameter_index
 from affine_model.curvature import Array
 from affine_model.declared_laws import declared_laws, law_starts
 from affine_model.effect import Effect
-from inference.declared_arm import names_of
+from affine_model.shear import most_compliance
+from inference.declared_arm import SHEAR, names_of
 from inference.experiment import Experiment
 from inference.fit import Fit, fit, linearised_fit, unfitted
 from inference.initial_state import initial_nuisances
@@ -84,8 +85,14 @@ class Setting:
 
     def problem(self, order: int, parameters: Array) -> Problem:
         """The fit of the base effects and of the uncertain declaration, from a parameter vector (R + D,)."""
-        declared = self.declared
+        declared = tuple(self._possible(number, order) for number in self.declared)
         return Problem(self.arm(order), self.experiments, self.base_free(), parameters, self.step, declared=declared)
+
+    def _possible(self, number: Uncertain, order: int) -> Uncertain:
+        """The number within what an arm of so many coordinates, and one that a search adds, can have."""
+        if number.field != SHEAR:
+            return number
+        return replace(number, high=min(number.high, most_compliance(self.declaration.specimen, order + 1)))
 
     def start(self) -> Array:
         """The parameter vector (R + D,) of the declared model, with the uncertain numbers at their means."""

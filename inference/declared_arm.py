@@ -18,6 +18,7 @@ from inference.experiment import Experiment
 from tentacle.declared import Uncertain
 
 SCALE = "camera.m_per_px"
+SHEAR = "specimen.shear_compliance"
 DECLARED = "declared"  # used instead of an effect's name for a declared number
 ARM_TABLES = ("specimen", "fluid", "gravity")  # of recording.toml: the other numbers say how the arm is seen
 

@@ -20,7 +20,7 @@ from affine_model.arm import parameter_index
 from affine_model.curvature import Array, midline
 from affine_model.effects import catalogue
 from inference.compare import judged_frames
-from inference.declared_arm import DECLARED
+from inference.declared_arm import DECLARED, SHEAR
 from inference.experiment import Experiment, predict
 from inference.fit import Fit, fit
 from inference.measured_shapes import Tracker, fit_shapes
@@ -35,7 +35,6 @@ LONGEST_CHAIN_RUN = 40.0  # s of each recording that the chain is run for
 MIDLINE_POINTS = np.linspace(0.0, 1.0, 41)
 EDGE_POINTS = np.linspace(0.02, 0.98, 41)  # a tracker sees edges all along, but for the corners at the ends
 RIGID = 1e-9  # rad: a base angle's offset that varies less is one number for the whole recording
-SHEAR = "specimen.shear_compliance"
 BESIDE_THE_ARM = ("servo", "measurement")  # families of effects that do not bend it
 
 

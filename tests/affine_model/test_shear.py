@@ -10,7 +10,7 @@ from affine_model.arm import Arm, active_effects
 from affine_model.curvature import midline
 from affine_model.dynamics import balance
 from affine_model.modes import modes
-from affine_model.shear import shear_of
+from affine_model.shear import most_compliance, shear_of
 from affine_model.simulate import Start, Timing, simulate
 from affine_model.statics import TipLoad, equilibrium
 from tentacle.errors import InputError
@@ -134,4 +134,7 @@ def test_an_arm_too_thick_for_its_coordinates_is_refused():
     block = replace(BEAM, length=0.035)
     assert np.max(np.abs(shear_of(block, 2).gamma)) > 0.1
     with pytest.raises(InputError, match="shear_compliance"):
-        shear_of(block, 4)
+        shear_of(block, 7)
+    most = most_compliance(block, 6)
+    assert 0.0 < most < 1.0
+    shear_of(replace(block, shear_compliance=1.05 * most), 6)  # a little beyond what a fit may try

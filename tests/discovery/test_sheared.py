@@ -10,7 +10,7 @@ from discovery.declared_fit import fit_declared
 from discovery.diagnose import AS_USUAL, diagnose
 from discovery.given import Given
 from discovery.sheared import declares_shear, sheared_fit
-from inference.discrepancy import SHEAR
+from inference.declared_arm import SHEAR
 from tentacle.declared import Uncertain
 from tentacle.progress import silent
 from tentacle.recording import Declaration

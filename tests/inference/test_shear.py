@@ -14,7 +14,8 @@ from affine_model.points_beside import points_beside
 from affine_model.statics import TipLoad, equilibrium
 from inference.appearance import Appearance, Motion
 from inference.base_fit import Setting, fit_base
-from inference.discrepancy import SHEAR, model_discrepancy
+from inference.declared_arm import SHEAR
+from inference.discrepancy import model_discrepancy
 from inference.prepare import prepare
 from inference.sensor import Gauge
 from tentacle.declared import Uncertain
