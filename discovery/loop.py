@@ -14,7 +14,7 @@ from functools import partial
 
 from affine_model.curvature import Array
 from discovery.assemble import PosteriorContext, assemble_posterior
-from discovery.decide import PosteriorDecision, decide_by_mass, log_prior_of_set, missing_of
+from discovery.decide import PosteriorDecision, decide_by_mass, log_prior_of_set, missing_of, odds_against
 from discovery.declared_fit import DeclaredFit, as_fitted, fit_declared, with_own_laws
 from discovery.detection import detection_limits
 from discovery.given import Deciding, Given
@@ -54,9 +54,13 @@ class LoopSearch:
     first: PosteriorDecision
 
     def score(self, temperature: float) -> float:
-        """Log posterior of its leading set, but for a constant, in likelihoods that are coarsened so much."""
+        """Log posterior of its leading set, but for a constant, in likelihoods that are coarsened so much. Sections that
+        shear are a law that acts, and cost what one costs.
+        """
         leading = self.first.leading
-        return leading.highest() / temperature + log_prior_of_set(len(leading.effects))
+        shears = leading.problem.arm.specimen.shear_compliance > 0.0
+        prior = log_prior_of_set(len(leading.effects)) - shears * odds_against(1)
+        return leading.highest() / temperature + prior
 
 
 def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> Diagnosis:

@@ -8,7 +8,7 @@ the acting ones: where it lacks more than shear, its laws' form gains as much. S
 moduli of an incompressible solid have one ratio. Simulated beams mostly have none, so that it is not taken for granted.
 Without a baseline an effect may look like shear: then both models are searched, and the answer is that of
 
-    max over f of  log evidence(y | set, f) / T + log P(set)
+    max over f of  log evidence(y | set, f) / T + log P(set) - f odds(1)
 """
 
 from __future__ import annotations

@@ -50,9 +50,6 @@ def test_a_clamp_of_unknown_give_is_measured_and_nothing_is_missing(seen):
 
 
 def test_a_clamp_that_is_declared_rigid_is_missed(seen):
-    """The catalogue has no such effect. The answer is an effect that softens the root, "unknown", or sections that
-    shear: beside 1 mm of noise these turn the root as the clamp does, and the answer says that they were taken.
-    """
+    """The catalogue has no such effect. The answer is an effect that softens the root, or "unknown"."""
     found = answer(seen)
-    sheared = found.augmented_model.specimen.shear_compliance > 0.0 and any("shear" in words for words in found.words)
-    assert found.verdict != "nothing_missing" or (sheared and found.confidence < 0.7)
+    assert found.verdict != "nothing_missing"
