@@ -54,8 +54,9 @@ class LoopSearch:
     first: PosteriorDecision
 
     def score(self, temperature: float) -> float:
-        """Log posterior of its leading set, but for a constant, in likelihoods that are coarsened so much. Sections that
-        shear are a law that acts, and cost what one costs.
+        """Log posterior of its leading set, but for a constant, in likelihoods that are coarsened so much.
+
+        Sections that shear are a law that acts, and cost what one costs.
         """
         leading = self.first.leading
         shears = leading.problem.arm.specimen.shear_compliance > 0.0
