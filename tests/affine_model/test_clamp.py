@@ -13,6 +13,7 @@ from affine_model.modes import modes
 from affine_model.simulate import Start, Timing, simulate
 from affine_model.statics import TipLoad, equilibrium
 from tentacle.specimen import AIR, WATER, Cone, Gravity, Rectangle, Specimen
+from tests.affine_model.one_step import accelerations_of_both
 
 WEIGHTLESS = Gravity(0.0, 0.0)
 BEAM = Specimen(Rectangle(0.02, 0.004), 0.2, 1070.0)
@@ -54,23 +55,12 @@ def test_the_first_frequency_is_that_of_a_beam_on_a_root_spring(parameters, shar
 
 
 def test_the_compiled_kernel_is_the_readable_assembly(parameters):
-    # One step of the midpoint rule, iterated until it is exact: the accelerations of balance() at its middle.
     arm = behind(CONE, 0.1, fluid=WATER, gravity=Gravity(0.3), order=3)
     p = parameters(
         elasticity__E=2e5, damping__eta=2e3, drag__C_perp=1.1, added_mass__C_a=0.8, tip_mass__mass=1e-3,
         cubic_stiffness__beta=0.4, amplitude_damping__b=0.02, intrinsic_curvature__c0=0.3, soft_spot__depth=0.3,
     )  # fmt: skip
-    q, q_rate, step, base = np.array([0.7, -0.5, 0.4]), np.array([3.0, -2.0, 5.0]), 1e-4, np.array([0.2, 3.0, -40.0])
-    run = simulate(
-        arm, p[:, None], base[:, None, None], Timing(step, iterations=8), start=Start(q[:, None], q_rate[:, None])
-    )
-    change = (run.q_rate[1, :, 0] - run.q_rate[0, :, 0]) / step
-    middle = np.stack([q + 0.5 * step * q_rate + 0.25 * step**2 * change, q_rate + 0.5 * step * change])
-    z = arm.from_monomial @ middle.T
-    u, rate = np.append(z[:, 0], [base[0], 0.0]), np.append(z[:, 1], [base[1], 0.0])
-    made = balance(arm, active_effects(p), p, u, rate)
-    held = made.force[:3] - made.mass_matrix[:3, 3] * base[2]
-    expected = arm.to_monomial @ np.linalg.solve(made.mass_matrix[:3, :3], held)
+    change, expected = accelerations_of_both(arm, p)
     np.testing.assert_allclose(change, expected, rtol=1e-7)  # rounding, over the step: 1e-16 / 1e-4 of a rate
 
 

@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from affine_model.arm import Arm, active_effects
+from affine_model.arm import Arm
 from affine_model.curvature import midline
-from affine_model.dynamics import balance
 from affine_model.modes import modes
 from affine_model.shear import most_compliance, shear_of
-from affine_model.simulate import Start, Timing, simulate
 from affine_model.statics import TipLoad, equilibrium
 from tentacle.errors import InputError
 from tentacle.specimen import AIR, WATER, Cone, Gravity, Rectangle, Specimen
+from tests.affine_model.one_step import accelerations_of_both
 
 WEIGHTLESS = Gravity(0.0, 0.0)
 BEAM = Specimen(Rectangle(0.03, 0.03), 0.1, 1070.0, shear_compliance=1.0)
@@ -102,20 +101,10 @@ def test_the_first_frequency_is_that_of_timoshenkos_beam(parameters):
 
 @pytest.mark.parametrize(("specimen", "clamp"), [(CONE, 0.0), (CONE, 0.1), (BEAM, 0.0)])
 def test_the_compiled_kernel_is_the_readable_assembly(parameters, specimen, clamp):
-    # One step of the midpoint rule, iterated until it is exact: the accelerations of balance() at its middle.
     specimen = replace(specimen, clamp_length=clamp * specimen.length, tip_mass=2e-3, tip_mass_drop=3e-3)
     arm = Arm(specimen, WATER, Gravity(0.3), 3)
     p = parameters(elasticity__E=2e5, damping__eta=2e3, drag__C_perp=1.1, added_mass__C_a=0.8, soft_spot__depth=0.3)
-    q, q_rate, step, base = np.array([0.7, -0.5, 0.4]), np.array([3.0, -2.0, 5.0]), 1e-4, np.array([0.2, 3.0, -40.0])
-    run = simulate(
-        arm, p[:, None], base[:, None, None], Timing(step, iterations=8), start=Start(q[:, None], q_rate[:, None])
-    )
-    change = (run.q_rate[1, :, 0] - run.q_rate[0, :, 0]) / step
-    middle = np.stack([q + 0.5 * step * q_rate + 0.25 * step**2 * change, q_rate + 0.5 * step * change])
-    z = arm.from_monomial @ middle.T
-    made = balance(arm, active_effects(p), p, np.append(z[:, 0], [base[0], 0.0]), np.append(z[:, 1], [base[1], 0.0]))
-    held = made.force[:3] - made.mass_matrix[:3, 3] * base[2]
-    expected = arm.to_monomial @ np.linalg.solve(made.mass_matrix[:3, :3], held)
+    change, expected = accelerations_of_both(arm, p)
     np.testing.assert_allclose(change, expected, rtol=1e-7)  # rounding, over the step: 1e-16 / 1e-4 of a rate
 
 
