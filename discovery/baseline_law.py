@@ -41,6 +41,7 @@ from discovery.decide import (
     baseline_coarsening,
     bounds_met,
     form_coarsening,
+    motion_left,
     odds_against,
 )
 from discovery.rank import RankedSet, ranking
@@ -48,7 +49,7 @@ from discovery.side_by_side import side_by_side
 from discovery.starts import with_candidates
 from inference.base_fit import Setting, rough_base_fit
 from inference.fit import Fit
-from inference.motion import motion_nats, motion_powers
+from inference.motion import motion_shown
 from inference.posterior import FORCE_SHARES, Hypothesis, baseline_alone, with_rest
 from inference.prepare import CannotTellError
 from inference.trajectory import Problem
@@ -72,10 +73,10 @@ class BaselineError:
     structured: float
 
     def told(self, base: Hypothesis) -> Hypothesis:
-        """The declared model's hypothesis with what its baseline says. What a model leaves grows with the motion, and
-        is no less than laws leave that hold as well as any.
+        """The declared model's hypothesis, whose motion is known, with what its baseline says. What a model leaves
+        grows with the motion, and is no less than laws leave that hold as well as any.
         """
-        judged, there = motion_powers(base.problem, base.fitted)
+        judged, there = base.motion.power, base.motion.baseline_power
         rest = judged * max(self.rest / there if there > 0.0 else 0.0, DECLARED_FORM**2)
         return replace(base, baseline_share=self.share, baseline_rest=rest, baseline_coarsening=self.coarsening)
 
@@ -164,9 +165,13 @@ def baseline_of(problem: Problem, nuisances: tuple[Array, ...], setting: Setting
     return replace(shows, more=tuple(more))
 
 
-def least_gain(known: Hypothesis) -> float:
-    """Nats that a law must gain in the baseline's recordings to be named there. known: the declared model of these."""
-    return form_coarsening(motion_nats(known.problem, known.fitted, known.forces, FORCE_SHARES[0])) * odds_against(1)
+def least_gain(known: Hypothesis, with_law: Hypothesis | None = None) -> float:
+    """Nats that a law must gain in the baseline's recordings to be named there. known: the declared model of these;
+    with_law: the model with the law, if what it leaves is known.
+    """
+    motion = motion_shown(known.problem, known.fitted, known.forces, FORCE_SHARES[0])
+    left = float("inf") if with_law is None else motion_left(with_law, motion)
+    return form_coarsening(motion.nats, left) * odds_against(1)
 
 
 def laws_shown(ranked: Iterable[RankedSet], least: float) -> list[RankedSet]:

@@ -3,8 +3,8 @@
     P(set, known | y) ~ (1 - ELSE) P(set)   int  k(a, r)      evidence(set, a, T)^(1/T) d log a
     P(set, else  | y) ~ ELSE P(set | else)  int (1 - k(a, r)) evidence(set, a, T)^(1/T) d log a
     k = exp(-a^2 / 2 s^2 - r^2 / 2 q^2),  s^2 = d^2 + (FORM a_0)^2,  q^2 = b^2 + (FORM r_0)^2
-    T = max(1 + min(f^2 G, D), 1 + DECLARED_ALIKE^2 M / odds(1), 1 + ANOTHER_DAY (T_b - 1))
-    f = min(FORM_ALIKE, a_1 / a_0)
+    T = max(1 + min(f^2 G, D), 1 + g^2 M / odds(1), 1 + ANOTHER_DAY (T_b - 1))
+    f = min(FORM_ALIKE, a_1 / a_0),  g = min(DECLARED_ALIKE, m_1 / FORM)
     T_b = max over sets of B(set) / odds(set)
     odds(set) = log P(none) - log P(set)
 
@@ -33,7 +33,9 @@ that looks like an effect: in M nats of motion (inference.motion) such an effect
 effect is not named for it. In 19 development recordings of two plants without an effect, the best set gained at most
 .00095^2 M, and the constant is 1.5 times that; in 16 later ones at most .00072^2 M, but once .00147^2 M. One of these
 plants took steps of first order. Of plants that do not, a third of the constant would be right, and for other people's
-programs it would not (docs/loop_trials.md).
+programs it would not (docs/loop_trials.md). But such an error is no law of the catalogue. It differs from one by FORM
+or more, as the published forms of one law do: where the model of the best set alone leaves a share m_1 of the motion,
+the error looks like an effect by no more than m_1 / FORM.
 
 The verdict is the outcome with the largest mass. The credible sets are the fewest sets that, with all sets that contain
 them, hold CREDIBLE of the known mass: whether more acts beside them is another question. What they share is the answer
@@ -52,6 +54,7 @@ import numpy as np
 from affine_model.curvature import Array
 from affine_model.effects import absent_effects, catalogue
 from inference.fit import Fit
+from inference.motion import ShownMotion
 from inference.posterior import Hypothesis
 from tentacle.diagnosis import Verdict
 from tentacle.solver_result import RESULTS
@@ -119,9 +122,18 @@ def added_coarsening(gained: float, structured: float, left: float) -> float:
     return 1.0 + min(min(FORM_ALIKE, left) ** 2 * gained, structured)
 
 
-def form_coarsening(motion: float) -> float:
-    """T that the form of the declared laws asks for in so many nats of motion."""
-    return 1.0 + DECLARED_ALIKE**2 * motion / odds_against(1)
+def form_coarsening(motion: float, left: float = np.inf) -> float:
+    """T that the form of the declared laws asks for in so many nats of motion, of which the model of the best set alone
+    leaves this share.
+    """
+    return 1.0 + min(DECLARED_ALIKE, left / FORM) ** 2 * motion / odds_against(1)
+
+
+def motion_left(h: Hypothesis, motion: ShownMotion) -> float:
+    """The share of the motion that a hypothesis' model alone leaves, what noise may hide included; inf where it is not
+    known yet.
+    """
+    return motion.share_of(max(h.rest_of_judged, 0.0) + h.noise_reach) if np.isfinite(h.rest) else float("inf")
 
 
 def bounds_met(fitted: Fit, effects: Iterable[str]) -> bool:
@@ -157,7 +169,8 @@ class Missing:
     share: of the acting forces. rest [noise variances]: residual beyond noise. gained [nats]: by the best set, which
     leaves a share of `left`; its model alone leaves a residual of `structured` nats beyond noise. declared: share of
     the acting forces that the form of the declared laws leaves, and declared_rest the residual [noise variances].
-    baseline_coarsening: see Hypothesis. motion [nats]: see inference.motion.
+    baseline_coarsening: see Hypothesis. motion [nats]: see inference.motion; motion_left: the share of it that the best
+    set's model alone leaves, and least_left that a set would leave which explains all but noise (inf: not known).
     """
 
     share: float
@@ -169,12 +182,19 @@ class Missing:
     declared_rest: float = 0.0
     baseline_coarsening: float = 1.0
     motion: float = 0.0
+    motion_left: float = np.inf
+    least_left: float = np.inf
 
     @property
     def temperature(self) -> float:
         """T: the factor by which the likelihood is coarsened."""
         added = added_coarsening(self.gained, self.structured, self.left / self.share)
-        return max(added, form_coarsening(self.motion), self.baseline_coarsening)
+        return max(added, form_coarsening(self.motion, self.motion_left), self.baseline_coarsening)
+
+    @property
+    def least_temperature(self) -> float:
+        """T where a set that is not tried yet explains all but noise."""
+        return max(form_coarsening(self.motion, self.least_left), self.baseline_coarsening)
 
 
 def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
@@ -185,7 +205,8 @@ def missing_of(hypotheses: Sequence[Hypothesis]) -> Missing:
     form, rest = max(DECLARED_FORM, counted * base.baseline_share), counted**2 * base.baseline_rest
     best = max((h for h in hypotheses if not stands_at_bound(h)), key=lambda h: h.highest())
     gained = best.highest() - base.highest()
-    told = (form, rest, base.baseline_coarsening, base.motion)
+    shares = motion_left(best, base.motion), base.motion.share_of(base.noise_reach)
+    told = (form, rest, base.baseline_coarsening, base.motion.nats, *shares)
     return Missing(base.share, base.rest_of_judged, gained, best.share, best.structured, *told)
 
 

@@ -14,7 +14,7 @@ from inference.base_fit import Setting, fit_baseline_alone, fitted_order, most_c
 from inference.experiment import PARAMETER_SPREAD
 from inference.fit import Fit
 from inference.linearise import latent_forces
-from inference.motion import motion_nats
+from inference.motion import motion_shown
 from inference.one_arm import one_arm
 from inference.posterior import FORCE_SHARES
 from inference.prepare import CannotTellError, Prepared, prepare
@@ -120,7 +120,7 @@ def _set_up_known(problem: Problem, fitted: Fit, coarsening: float) -> Problem:
     if not problem.declared and not any(e.varies for e in problem.experiments):
         return problem
     forces = latent_forces(problem, fitted.parameters, fitted.nuisances)
-    known = max(coarsening, form_coarsening(motion_nats(problem, fitted, forces, FORCE_SHARES[0])))
+    known = max(coarsening, form_coarsening(motion_shown(problem, fitted, forces, FORCE_SHARES[0]).nats))
     return replace(problem, experiments=tuple(replace(e, coarsening=known) for e in problem.experiments))
 
 

@@ -26,7 +26,7 @@ from discovery.side_by_side import side_by_side
 from inference.decay import fit_from_release, has_decay
 from inference.discrepancy import ModelDiscrepancy, model_discrepancy, without_discrepancy
 from inference.fit import Fit
-from inference.motion import motion_nats
+from inference.motion import motion_shown
 from inference.posterior import (
     FORCE_SHARES,
     Hypothesis,
@@ -70,7 +70,8 @@ def close_loop(given: Given, seed: int, deciding: Deciding, progress: Stage) -> 
     sheared = sheared_fit(plain, deciding, progress)
     both = plain if sheared is None or not given.baseline else None, sheared
     found = [_searched(with_own_laws(one, deciding, progress), deciding, progress) for one in both if one is not None]
-    temperature = max(missing_of(one.found.hypotheses).temperature for one in found)
+    likeliest = max(found, key=lambda one: max(h.highest() for h in one.found.hypotheses))
+    temperature = missing_of(likeliest.found.hypotheses).temperature
     return _answered(max(found, key=lambda one: one.score(temperature)), seed, deciding, progress)
 
 
@@ -83,9 +84,9 @@ def _searched(declared: DeclaredFit, deciding: Deciding, progress: Stage) -> Loo
     base = _base(declared.fine, fitted, reduction)
     if declared.taken is not None:
         declared.taken.require_in_all(base)
+    base = replace(base, motion=motion_shown(base.problem, base.fitted, base.forces, FORCE_SHARES[0]))
     if shows is not None:
         base = shows.error.told(base)
-    base = replace(base, motion=motion_nats(base.problem, base.fitted, base.forces, FORCE_SHARES[0]))
     found = search_posterior(base, fitted, lambda done: progress("searching the catalogue", done))
     first = decide_by_mass(list(found.hypotheses))
     if (more := declared.in_all(first)) is not None:

@@ -52,18 +52,20 @@ def search_posterior(
     """Hypotheses about what the base lacks. origin: where the base's own fit began. Effects begin there too, because in
     a decay the base's fit may be far from the valley of any effect.
     """
-    tried: Tried = {frozenset(): base}
+    tried = _with_rests({frozenset(): base})
+    base = tried[frozenset()]
     first: tuple[Candidate, ...] = ()
     centre, decays, begun_within = base, has_decay(base.problem), set[Pair]()
     for number in range(ROUNDS):
-        temperature = missing_of(list(tried.values())).temperature
+        missing = missing_of(list(tried.values()))
+        temperature, least = missing.temperature, missing.least_temperature
         promised = ranking(centre, MOST_EFFECTS - len(centre.effects), temperature)
         first = first or promised.candidates
         wanted = [
             begun
-            for begun in begun_about(centre, promised, centre if number else at_origin(base, origin), temperature)
+            for begun in begun_about(centre, promised, centre if number else at_origin(base, origin), least)
             if is_fitted_anew((*centre.effects, *begun.chosen.names), centre, tried)
-            and (decays or may_be_named(begun, centre, temperature))
+            and (decays or may_be_named(begun, centre, least))
         ]
         tasks: list[Callable[[], RoughFit]] = [
             *(partial(added, centre, begun) for begun in wanted),

@@ -2,13 +2,14 @@
 
     gain = log evidence(y_0 | f = 1) - log evidence(y_0 | f = 0) > T odds(1),       f: specimen.shear_compliance
 
-y_0: the baseline's recordings, or all where there is no baseline. So shear is taken as a law of the arm's own is
-(discovery.baseline_law). A baseline must then need no more than MOST_LEFT of the unknown forces, or DECLARED_FORM of
-the acting ones: where it lacks more than shear, its laws' form gains as much. Shear has no strength to be fitted: the
-moduli of an incompressible solid have one ratio. Simulated beams mostly have none, so that it is not taken for granted.
-Without a baseline an effect may look like shear: then both models are searched, and the answer is that of
+y_0: the baseline's recordings, or all where there is no baseline; T: that of the declared laws' form, where the model
+with shear leaves what it does (discovery.decide). So shear is taken as a law of the arm's own is. A baseline must then
+need no more than MOST_LEFT of the unknown forces, or DECLARED_FORM of the acting ones: where it lacks more than shear,
+its laws' form gains as much. Shear has no strength to be fitted: the moduli of an incompressible solid have one ratio.
+Simulated beams mostly have none, so that it is not taken for granted. Without a baseline an effect may look like shear:
+then both models are searched, and the answer is that of
 
-    max over f of  log evidence(y | set, f) / T + log P(set) - f odds(1)
+    max over f of  log evidence(y | set, f) / T + log P(set) - f odds(1),       T: that of the likeliest of all sets
 """
 
 from __future__ import annotations
@@ -20,12 +21,12 @@ from functools import partial
 from affine_model.effects import catalogue
 from affine_model.shear import shear_of
 from discovery.baseline_law import MOST_LEFT, least_gain
-from discovery.decide import DECLARED_FORM
+from discovery.decide import DECLARED_FORM, odds_against
 from discovery.declared_fit import DeclaredFit, fit_declared
 from discovery.given import Deciding
 from discovery.side_by_side import side_by_side
 from inference.declared_arm import SHEAR
-from inference.posterior import Hypothesis, baseline_alone, declared_model
+from inference.posterior import Hypothesis, baseline_alone, declared_model, with_rest
 from inference.prepare import CannotTellError
 from inference.trajectory import Problem
 from tentacle.errors import InputError
@@ -44,7 +45,7 @@ def sheared_fit(plain: DeclaredFit, deciding: Deciding, progress: Stage) -> Decl
         return None
     alone = baseline_alone if plain.given.baseline else declared_model
     found = side_by_side([partial(alone, one, plain.fitted.nuisances) for one in (plain.fine, problem)])
-    if len(found) < 2 or _gain(*found) < least_gain(found[0]):
+    if len(found) < 2 or _gain(*found) < odds_against(1) or _gain(*found) < least_gain(found[0], with_rest(found[1])):
         return None
     if plain.given.baseline and found[1].share > max(MOST_LEFT * found[0].share, DECLARED_FORM):
         return None

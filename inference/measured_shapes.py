@@ -143,8 +143,10 @@ def _angle_sensitivity(q: Array, angle: Array, length: float, s: Array, order: i
 def from_track(track: ShapeTrack, theta: Array, length: float) -> ShapeObservation:
     """A video's shape track as an observation. The recording has one scale and one shift, with their own sigma.
 
+    Each frame counts as what it tells by itself: how its root turns and which coordinates it has is the model's to say.
     theta (T,) is the recorded base angle at the frames. Rejected frames have no weight.
     """
+    track = track.measured()
     order = track.coefficients.shape[1] - 1
     count = POSE + order
     frames = track.t.size

@@ -1,4 +1,4 @@
-"""The motion that a recording shows, in nats, which is what a share of it could tell, and in noise variances.
+"""The motion that recordings show: in nats, which is what a share of it could tell, and in noise variances.
 
     nats = |w(y(u(t)) - y(mean u))|^2 / 2
     power = mean of (y(u(t)) - y(mean u))^2 / sigma^2
@@ -9,7 +9,7 @@ y: what the recording would show of the fitted run u(t); w: whitened by noise an
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,23 +20,35 @@ from inference.latent_force import LatentForce
 from inference.trajectory import Problem
 
 
-def motion_nats(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...], share: float) -> float:
-    """The nats of the motion in all recordings beside this share of unknown forces."""
+@dataclass(frozen=True)
+class ShownMotion:
+    """The nats of the motion in all recordings; its mean square [noise variances] in those that are judged, and in
+    those that are declared complete (0: there is none, or it is not known).
+    """
+
+    nats: float = 0.0
+    power: float = 0.0
+    baseline_power: float = 0.0
+
+    def share_of(self, residual: float) -> float:
+        """The share of the motion of the judged recordings that a mean square [noise variances] of a residual is."""
+        return float(np.sqrt(residual / self.power)) if self.power > 0.0 else float("inf")
+
+
+NO_MOTION = ShownMotion()  # nothing is known of it
+
+
+def motion_shown(problem: Problem, fitted: Fit, forces: tuple[LatentForce, ...], share: float) -> ShownMotion:
+    """The motion in all recordings; its nats beside this share of unknown forces."""
     moved = _moved(problem, fitted)
     whitened = (force.filter(share).whiten(rows) for rows, force in zip(moved, forces, strict=True))
-    return sum(0.5 * float(np.sum(rows**2)) for rows in whitened)
-
-
-def motion_powers(problem: Problem, fitted: Fit) -> tuple[float, float]:
-    """The mean square of the motion [noise variances] in the recordings that are judged, and in those that are declared
-    complete; 0 where there are none.
-    """
-    moved = [(e, rows[e.used].ravel()) for e, rows in zip(problem.experiments, _moved(problem, fitted), strict=True)]
+    nats = sum(0.5 * float(np.sum(rows**2)) for rows in whitened)
+    used = [(e.complete, rows[e.used].ravel()) for e, rows in zip(problem.experiments, moved, strict=True)]
     judged, complete = (
-        np.concatenate([np.zeros(0), *(rows[rows != 0.0] for e, rows in moved if e.complete == wanted)])
+        np.concatenate([np.zeros(0), *(rows[rows != 0.0] for is_complete, rows in used if is_complete == wanted)])
         for wanted in (False, True)
     )
-    return _mean_square(judged), _mean_square(complete)
+    return ShownMotion(nats, _mean_square(judged), _mean_square(complete))
 
 
 def _mean_square(rows: Array) -> float:

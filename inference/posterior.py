@@ -23,6 +23,7 @@ from inference.evidence import evidence_beside
 from inference.fit import Fit, linearised_fit, minimised, split
 from inference.latent_force import Filter, LatentForce
 from inference.linearise import latent_forces
+from inference.motion import NO_MOTION, ShownMotion
 from inference.pose import PosteriorPose
 from inference.trajectory import Problem
 from tentacle.solver_result import RESULTS
@@ -46,7 +47,7 @@ class Hypothesis:
     baseline_share: of unknown forces that the complete recordings need by themselves (0: there is none). baseline_rest:
     as rest, that these recordings let expect in the others, which move more or less.
     baseline_coarsening: by which the likelihood must be coarsened so that no absent effect is named there.
-    motion [nats]: of the motion seen, beside the smallest share of unknown forces (inference.motion; 0: not known).
+    motion: that the recordings show, its nats beside the smallest share of unknown forces.
     fitted_at: place among FORCE_SHARES of the share beside which it was fitted. poses: posterior of the camera's pose
     beside each of FORCE_SHARES.
     """
@@ -63,7 +64,7 @@ class Hypothesis:
     baseline_share: float = 0.0
     baseline_rest: float = 0.0
     baseline_coarsening: float = 1.0
-    motion: float = 0.0
+    motion: ShownMotion = NO_MOTION
     fitted_at: int = 0
     poses: tuple[PosteriorPose, ...] = ()
 

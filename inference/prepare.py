@@ -68,7 +68,7 @@ def _base(recording: Recording) -> Waveform:
 def _following(recording: Recording, base: Waveform) -> float | None:
     """How far the seen root turns for a radian of the servo; None if the base hardly turns or no root is seen."""
     if recording.shape is not None and recording.midline is None:
-        track = recording.shape
+        track = recording.shape.measured()
         seen = track.accepted & np.isfinite(track.coefficients).all(axis=1)
         theta = base(track.t[seen])[0]
         # A track counts the root from the servo's angle.
@@ -83,10 +83,17 @@ def _with_sign_reversed(recording: Recording, base: Waveform) -> Recording:
     motor = replace(recording.motor, command=-recording.motor.command, angle=-recording.motor.angle)
     shape = recording.shape
     if shape is not None:
-        coefficients = shape.coefficients.copy()
-        coefficients[:, 0] += 2.0 * base(shape.t)[0]
-        shape = replace(shape, coefficients=coefficients)
+        turned, frames = 2.0 * base(shape.t)[0], shape.by_frames
+        frames = frames and replace(frames, coefficients=_root_turned(frames.coefficients, turned))
+        shape = replace(shape, coefficients=_root_turned(shape.coefficients, turned), by_frames=frames)
     return replace(recording, motor=motor, shape=shape)
+
+
+def _root_turned(coefficients: Array, turned: Array) -> Array:
+    """Shapes (T, K) with the angle (T,) of their root larger by so much."""
+    found = coefficients.copy()
+    found[:, 0] += turned
+    return found
 
 
 def _turned(xy: Array, theta: Array) -> Array:

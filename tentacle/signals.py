@@ -8,7 +8,7 @@ Where the base travels, the origin is where its path has x = y = 0.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -141,6 +141,16 @@ class Video:
 
 
 @dataclass(frozen=True)
+class FrameShapes:
+    """What each frame of a video tells of its shape by itself: coefficients (T, K) and covariance (T, K, K) as of a
+    ShapeTrack. Its base angle is its own, and no coordinate that was fitted is held at zero.
+    """
+
+    coefficients: Array
+    covariance: Array
+
+
+@dataclass(frozen=True)
 class ShapeTrack:
     """Shapes measured by vision: for each frame, coefficients with their full covariance.
 
@@ -148,7 +158,8 @@ class ShapeTrack:
     so that phi(s) = theta + offset + sum_j q_j s^j / j; covariance (T, K, K); accepted (T,) bool, False where the
     frame could not be trusted (then the row is NaN); reason (T,) one short phrase, "" where accepted. scale is the
     measured length over the declared one (1 = as declared) and scale_sigma its standard deviation; base_shift (2,) [m]
-    is the clamp's place minus the declared one.
+    is the clamp's place minus the declared one. The shapes are estimates: coordinates that the film does not need are
+    held at zero, and the frames' base angles are drawn towards their mean. by_frames is without both (None: not known).
     """
 
     t: Array
@@ -159,6 +170,16 @@ class ShapeTrack:
     scale: float
     scale_sigma: float
     base_shift: Array
+    by_frames: FrameShapes | None = None
+
+    def measured(self) -> ShapeTrack:
+        """The track whose shapes are measurements, for a model that states its own root and coordinates: what each
+        frame tells by itself; this track where that is not known.
+        """
+        if self.by_frames is None:
+            return self
+        frames = self.by_frames
+        return replace(self, coefficients=frames.coefficients, covariance=frames.covariance, by_frames=None)
 
     def _repr_html_(self) -> str:
         """The number of accepted frames, and each coordinate's range and standard deviation, for notebooks."""

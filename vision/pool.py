@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 from enum import Enum
 
 import numpy as np
+from numpy.typing import NDArray
 
-from tentacle.signals import Array
+from tentacle.signals import Array, FrameShapes
 from vision.held_coordinates import held_covariance, left_out
 from vision.kinematics import SHARED
 from vision.settle import PRIOR
@@ -46,13 +47,15 @@ class PoolResult(Enum):
 class Pooled:
     """x (T, K) and covariance (T, K, K) of the accepted frames, K = order + 1; NaN rows elsewhere.
 
-    shared (G,) with shared_covariance (G, G). evidence[n]: chi-square per frame of the coordinates above order n (about
-    their number if they are noise). inflation, staying: factors from the slow waves in the edges' errors, on the
-    variance of a frame's x, and further on that of the shared parameters. result: how the estimate ended.
+    by_frames: what each frame tells by itself, with g put in. shared (G,) with shared_covariance (G, G). evidence[n]:
+    chi-square per frame of the coordinates above order n (about their number if they are noise). inflation, staying:
+    factors from the slow waves in the edges' errors, on the variance of a frame's x, and further on that of the shared
+    parameters. result: how the estimate ended.
     """
 
     x: Array
     covariance: Array
+    by_frames: FrameShapes
     order: int
     shared: Array
     shared_covariance: Array
@@ -114,7 +117,7 @@ def pool(
         chosen = order or min(2, fitted)
         nan = np.full((len(seen), chosen + 1), np.nan)
         nans, spread, ended = nan[:, :, None] * nan[:, None, :], np.diag(prior**2), PoolResult.NOTHING_SEEN
-        return Pooled(nan, nans, chosen, start, spread, {}, 1.0, 1.0, ended)
+        return Pooled(nan, nans, FrameShapes(nan, nans), chosen, start, spread, {}, 1.0, 1.0, ended)
     good = [frame for frame in seen if frame.accepted]
     power, staying = inflation(np.array([frame.waves for frame in good]))
     # Without a log of the base's rotation only the sides tell g: then the whole persistent error counts.
@@ -149,14 +152,11 @@ def pool(
         # rendered tanks the full factor gave stated errors 1.8 times too large, no factor up to 1.7 times too small:
         # so its root is used.
         solution = replace(solution, covariance=np.sqrt(staying) * solution.covariance)
-    x, covariance = _update(stack, solution, chosen)
-    covariance = covariance * left_out(evidence, fitted, chosen)
-    result_x = np.full((len(seen), chosen + 1), np.nan)
-    result_covariance = np.full((len(seen), chosen + 1, chosen + 1), np.nan)
-    result_x[accepted], result_covariance[accepted] = x, covariance
+    x, held = _update(stack, solution, chosen)
     return Pooled(
-        x=result_x,
-        covariance=result_covariance,
+        x=_in_all(x, accepted),
+        covariance=_in_all(held * left_out(evidence, fitted, chosen), accepted),
+        by_frames=FrameShapes(*(_in_all(values, accepted) for values in _alone(stack, solution))),
         order=chosen,
         shared=start + solution.shared,
         shared_covariance=solution.covariance[:SHARED, :SHARED],
@@ -165,6 +165,13 @@ def pool(
         staying=staying,
         result=solution.result,
     )
+
+
+def _in_all(values: Array, accepted: NDArray[np.bool_]) -> Array:
+    """Values of the accepted frames (A, ...) as values of all frames (T, ...), NaN where none was accepted."""
+    found = np.full((len(accepted), *values.shape[1:]), np.nan)
+    found[accepted] = values
+    return found
 
 
 def _orders(
@@ -265,6 +272,13 @@ def _likeliest_tau(stack: _Stack, rows: list[int], residual: Array) -> float:
     # prefer a rigid mounting: a spread from noise alone would make q1 and q2 much less accurate
     real = grid[best] > LEAST_SPREAD and cost[0] - cost[best] > MOUNTING
     return float(grid[best]) if real else 0.0
+
+
+def _alone(stack: _Stack, solution: _Solution) -> tuple[Array, Array]:
+    """x and covariance of each frame with g put in, and nothing held: what the frame tells by itself."""
+    told = stack.dx_dg @ solution.covariance[:SHARED, :SHARED] @ np.swapaxes(stack.dx_dg, 1, 2)
+    covariance = stack.covariance + told
+    return stack.x + stack.dx_dg @ solution.shared, 0.5 * (covariance + np.swapaxes(covariance, 1, 2))
 
 
 def _update(stack: _Stack, solution: _Solution, order: int) -> tuple[Array, Array]:

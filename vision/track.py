@@ -168,6 +168,7 @@ def _shape(seen: list[TrackedFrame], pooled: Pooled, geometry: Geometry, declara
         scale=float(1.0 + pooled.shared[2]),
         scale_sigma=float(np.sqrt(pooled.shared_covariance[2, 2] + tip_untold(declaration) ** 2 / 3.0)),
         base_shift=axes @ pooled.shared[:2] * declaration.camera.metres_per_px,
+        by_frames=pooled.by_frames,
     )
 
 

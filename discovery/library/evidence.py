@@ -27,7 +27,7 @@ from discovery.decide import form_coarsening
 from inference.base_fit import Setting, fitted_order, most_coordinates, needed_order, rough_base_fit
 from inference.fit import Fit
 from inference.latent_force import Filter
-from inference.motion import motion_nats
+from inference.motion import motion_shown
 from inference.posterior import FORCE_SHARES, Hypothesis, declared_model
 from inference.prepare import prepare
 from inference.score import Response, responses
@@ -103,7 +103,7 @@ def evidence_of(base: Hypothesis) -> RecordingEvidence:
         _root(problem, fitted, known, tuple(force.filter(FORCE_SHARES[place]) for force in base.forces), scale)
         for place in SHARES
     ]
-    motion = motion_nats(problem, fitted, base.forces, FORCE_SHARES[0])
+    motion = motion_shown(problem, fitted, base.forces, FORCE_SHARES[0])
     return RecordingEvidence(
         free=problem.free,
         centre=fitted.values,
@@ -111,7 +111,7 @@ def evidence_of(base: Hypothesis) -> RecordingEvidence:
         scale=scale,
         roots=np.array(roots),
         log_evidence=base.log_evidence[list(SHARES)],
-        coarsening=form_coarsening(motion),
+        coarsening=form_coarsening(motion.nats),
         data=int(
             sum(np.sum(rows[e.used] != 0.0) for e, rows in zip(problem.experiments, fitted.residuals, strict=True))
         ),

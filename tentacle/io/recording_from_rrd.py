@@ -6,6 +6,7 @@ Every block of every signal is compared with its checksum, and the whole obeys w
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -28,6 +29,7 @@ from tentacle.signals import (
     AccelerationSignal,
     Array,
     BaseTravel,
+    FrameShapes,
     LoadCellSignal,
     Markers,
     Midline,
@@ -37,6 +39,7 @@ from tentacle.signals import (
     Video,
 )
 
+BY_FRAMES = ("frames_coefficients", "frames_covariance")
 PLANNED = "/planned"  # s that the recording is to last, where it is written as it is measured
 # Exceptions from damaged files: a wrong number of values, a missing value, a wrong type.
 DAMAGE = (ValueError, KeyError, IndexError, TypeError, AttributeError, OverflowError)
@@ -208,21 +211,28 @@ def _shape(columns: EntityColumns | None, compare: _Comparison) -> ShapeTrack | 
     names = ("t_s", "coefficients", "covariance", "accepted", "reason")
     if columns is None or not columns.has_rows(*names):
         return None
+    by_frames = BY_FRAMES if columns.has_rows(*BY_FRAMES) else ()
     scale, sigma = float(columns.static("scale")[0]), float(columns.static("scale_sigma")[0])
     shift = np.array(columns.static("base_shift"), dtype=float)
     compare.once("shape", {"sizes": np.array([scale, sigma]), "base_shift": shift})
-    found = _tables(columns, "shape", names, compare)
-    order = found["coefficients"].shape[1]
+    found = _tables(columns, "shape", (*names, *by_frames), compare)
     return ShapeTrack(
         t=found["t_s"],
         coefficients=found["coefficients"],
-        covariance=found["covariance"].reshape(-1, order, order),
+        covariance=_square(found["covariance"]),
         accepted=found["accepted"].astype(bool),
         reason=tuple(str(words) for words in found["reason"]),
         scale=scale,
         scale_sigma=sigma,
         base_shift=shift,
+        by_frames=FrameShapes(found[by_frames[0]], _square(found[by_frames[1]])) if by_frames else None,
     )
+
+
+def _square(flat: Array) -> Array:
+    """Square matrices (T, K, K) from their rows (T, K K)."""
+    size = math.isqrt(flat.shape[1])
+    return flat.reshape(-1, size, size)
 
 
 def _video(entities: dict[str, EntityColumns], file: Path, compare: _Comparison) -> Video | None:

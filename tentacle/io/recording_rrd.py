@@ -14,6 +14,7 @@
 | /strain | t_s, Scalars (G: one a gauge) |
 | /acceleration | t_s, Scalars (A: one an axis of an accelerometer) |
 | /shape | t_s, coefficients (K), covariance (K K), accepted, reason; static scale, scale_sigma, base_shift (2) |
+| | and, as each frame tells by itself, frames_coefficients (N), frames_covariance (N N) |
 | /camera/video | a video file: static AssetVideo with its own bytes, suffix, sha256; VideoFrameReference rows |
 | /camera/film | a video file over LARGE_VIDEO: its bytes in pieces, one a row; static suffix |
 | /camera/frames | numbered PNG frames: EncodedImage rows with their own bytes |
@@ -166,6 +167,10 @@ def signal_rows(recording: Recording) -> dict[str, dict[str, NDArray[Any]]]:
             "accepted": shape.accepted,
             "reason": np.array(shape.reason),
         }
+        if shape.by_frames is not None:
+            covariance = shape.by_frames.covariance.reshape(len(shape.t), -1)
+            found = {"frames_coefficients": shape.by_frames.coefficients, "frames_covariance": covariance}
+            signals["shape"] |= found
     return signals
 
 

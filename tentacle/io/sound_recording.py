@@ -181,6 +181,12 @@ def _check_size(name: str, values: Array, shape: tuple[int, int], file: Path) ->
 
 def _check_shape(shape: ShapeTrack, file: Path) -> None:
     _check_times("shape", shape.t, file)
+    measured = shape.measured()
+    for values in (shape, measured) if measured is not shape else (shape,):
+        _check_coefficients(values, file)
+
+
+def _check_coefficients(shape: ShapeTrack, file: Path) -> None:
     count, order = shape.coefficients.shape
     fits = (
         count == len(shape.t) == len(shape.accepted) == len(shape.reason)

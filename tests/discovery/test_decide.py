@@ -7,6 +7,7 @@ import pytest
 
 from affine_model.effects import absent_effects
 from discovery.decide import ANOTHER_DAY, baseline_coarsening, decide_by_mass, log_masses, log_prior_of_set, missing_of
+from inference.motion import ShownMotion
 from inference.posterior import FORCE_SHARES, Hypothesis
 from tentacle.solver_result import RESULTS
 
@@ -86,6 +87,20 @@ def test_a_second_effect_is_named_by_less_where_the_first_leaves_little(made):
 
     assert answer(0.001) == {"wall", "servo_lag"}
     assert answer(0.02) == {"wall"}
+
+
+def test_an_effect_that_leaves_noise_alone_is_named_though_programs_may_differ_by_more(made):
+    """It gains 49 nats in so much motion that two programs may differ by as many. But where nothing is left of an error
+    of 3000 ppm of the motion, it is the law itself. Where 800 ppm are left, it may be another error that resembles it.
+    """
+
+    def answer(rest: float):
+        base = replace(made((), 0.001, 0.0), rest=270.0, rows=10_000, motion=ShownMotion(7e7, 3e7))
+        return decide_by_mass([base, replace(made(("buoyancy",), 0.001, 49.0), rest=rest, rows=10_000)])
+
+    assert answer(0.0).effects == ("buoyancy",)
+    assert answer(20.0).verdict == "nothing_missing"
+    assert answer(np.nan).verdict == "nothing_missing", "what a set leaves counts once it is known"
 
 
 def test_an_effect_beside_doubtful_others_is_still_that_effect(made):

@@ -160,7 +160,7 @@ def _angle_noise(recording: Recording, experiment: Experiment, interval: float) 
 
 def _track_sight(track: ShapeTrack, observation: ShapeObservation, gain: Array, angle_noise: float) -> Measurement:
     """A track with the covariance of its median frame; shift and scale are stated once and have no gain."""
-    stated = track.covariance[observation.seen]
+    stated = track.measured().covariance[observation.seen]
     covariance = stated[np.argsort(np.linalg.slogdet(stated)[1])[len(stated) // 2]]
     kept = np.array([0, *range(gain.size - covariance.shape[0] + 1, gain.size)])
     scale_sigma = float(track.scale_sigma)

@@ -17,6 +17,7 @@ from tentacle.recording import Camera, Declaration, Recording
 from tentacle.signals import (
     AccelerationSignal,
     Accelerometer,
+    FrameShapes,
     LoadCellSignal,
     Markers,
     Midline,
@@ -76,11 +77,17 @@ def assert_equal_recordings(left: Recording, right: Recording) -> None:
         assert (a is None) == (b is None), name
         if a is None:
             continue
-        for field, value in vars(a).items():
-            if isinstance(value, np.ndarray):
-                np.testing.assert_array_equal(value, getattr(b, field), err_msg=f"{name}.{field}", strict=True)
-            else:
-                assert value == getattr(b, field), f"{name}.{field}"
+        assert_equal_fields(a, b, name)
+
+
+def assert_equal_fields(a: object, b: object, name: str) -> None:
+    for field, value in vars(a).items():
+        if isinstance(value, np.ndarray):
+            np.testing.assert_array_equal(value, getattr(b, field), err_msg=f"{name}.{field}", strict=True)
+        elif isinstance(value, FrameShapes):
+            assert_equal_fields(value, getattr(b, field), f"{name}.{field}")
+        else:
+            assert value == getattr(b, field), f"{name}.{field}"
 
 
 def test_a_written_folder_is_read_back_bit_for_bit(tmp_path: Path) -> None:

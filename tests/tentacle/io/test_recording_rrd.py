@@ -15,7 +15,7 @@ from tentacle.errors import InputError
 from tentacle.io.recording_rrd import write_rrd
 from tentacle.io.video_file import frame_stamps
 from tentacle.recording import Recording
-from tentacle.signals import ShapeTrack, Video
+from tentacle.signals import FrameShapes, ShapeTrack, Video
 from tests.tentacle.io.test_import_folder import assert_equal_recordings, random_recording
 
 
@@ -32,6 +32,7 @@ def full_recording() -> Recording:
         scale=1.0 + 1 / 3000,
         scale_sigma=1 / 7000,
         base_shift=rng.normal(size=2),
+        by_frames=FrameShapes(rng.normal(size=(30, 6)), rng.normal(size=(30, 6, 6))),
     )
     return replace(random_recording(), shape=shape)
 
