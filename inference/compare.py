@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from affine_model.camera import sight_of
 from affine_model.curvature import Array, angle_basis, legendre_to_monomial, midline
@@ -53,10 +54,29 @@ def restricted(observation: ShapeObservation, coefficients: Array, order: int) -
 
 def _deviation(observation: ShapeObservation, gain: Array, order: int) -> Array:
     """Square root (T, order, order) of the covariance of `restricted`."""
-    columns = observation.root[:, :, POSE : POSE + order] / gain[:, None]
+    return _root_of_covariance(observation, gain, list(range(POSE, POSE + order)))
+
+
+def _root_of_covariance(observation: ShapeObservation, gain: Array, kept: list[int]) -> Array:
+    """Square root (T, k, k) of the covariance of k of the coefficients, the others held."""
+    columns = observation.root[:, :, kept] / gain[:, None]
     normal = np.einsum("tkj,tkl->tjl", columns, columns)
-    normal[~observation.seen] = np.eye(order)
+    normal[~observation.seen] = np.eye(len(kept))
     return np.swapaxes(np.linalg.inv(np.linalg.cholesky(normal)), 1, 2)
+
+
+def points_deviation(observation: ShapeObservation, frames: NDArray[np.intp], gain: Array, s: Array) -> Array:
+    """How far (F, P) [m] a track's points err at these frames: across the arm by its root's angle and its shape, and
+    along it by its one scale. Of the scale's difference from the declared one as much as its deviation is an error.
+    """
+    sparse = replace(observation, root=observation.root[frames])
+    kept = [0, *range(POSE, POSE + observation.order)]
+    angle = np.column_stack([np.ones(s.size), angle_basis(observation.order, s)])
+    lever = observation.length * np.cumsum(angle, axis=0) / s.size
+    across = np.linalg.norm(lever @ _root_of_covariance(sparse, gain, kept), axis=2)
+    told = float(np.sum(observation.root[:, 3, 3] ** 2))  # of the recording's one scale, spread over its frames
+    apart = float(np.abs(observation.coefficients[observation.seen, 3]).max(initial=0.0))
+    return np.hypot(across, observation.length * s * (min(apart, told**-0.5) if told > 0.0 else 0.0))
 
 
 def measured_points(prepared: Prepared) -> tuple[Array, Array]:
@@ -235,9 +255,7 @@ def floor_errors(
             stated = data.sigma[frames]
             distance.append(1e3 * np.sqrt(2.0) * gain * np.where(np.isfinite(stated), stated, source.sigma))
         else:
-            every = _deviation(sparse, experiment.picture_gain, observation.order)
-            lever = observation.length * np.cumsum(angle_basis(observation.order, run.s), axis=0) / run.s.size
-            distance.append(1e3 * np.linalg.norm(lever @ every, axis=2))
+            distance.append(1e3 * points_deviation(observation, frames, experiment.picture_gain, run.s))
     noise = _rms(distance)
     total = None if noise is None else float(np.hypot(noise, reduction_mm))
     return ErrorMeasure(total, _rms(angle), _rms(first), _rms(second), None)

@@ -8,11 +8,11 @@ import pytest
 from affine_model.arm import parameter_index
 from affine_model.curvature import legendre_to_monomial, midline
 from inference.base_fit import Setting, fit_base
-from inference.compare import floor_errors, restricted, run_comparison, run_errors
+from inference.compare import COMPARED_PLACES, floor_errors, points_deviation, restricted, run_comparison, run_errors
 from inference.discrepancy import model_discrepancy, without_discrepancy
 from inference.fit import fit
 from inference.judged_fit import judged_fit
-from inference.measured_shapes import Tracker, fit_shapes
+from inference.measured_shapes import Tracker, fit_shapes, from_track
 from inference.observation import POSE
 from inference.prepare import prepare
 from mujoco_ref.simulate import Setup, simulate
@@ -152,3 +152,28 @@ def test_the_reduction_s_error_with_an_effect_is_the_chain_s_that_has_it_too(rec
     assert current.structure < 2.0 * bare.structure
     without = judged_fit(problem, fitted).train.structure  # what a current less in the model leaves
     assert current.structure < 0.2 * without
+
+
+@pytest.mark.parametrize(("scale_sigma", "counted"), [(2e-4, 1.5e-4), (1e-4, 1e-4)])
+def test_a_track_s_floor_is_how_far_its_points_are_from_where_they_were(scale_sigma, counted):
+    """Its root's angle errs as well as its shape, drawn 500 times, and its one scale by 1.5e-4 in all frames alike.
+    What exceeds the scale's stated deviation is no error of the measurement.
+    """
+    random, frames, length = np.random.default_rng(2), 40, 0.12
+    mixed = random.standard_normal((4, 4)) + np.eye(4)
+    covariance = 1e-7 * mixed @ mixed.T
+    true = random.normal(size=(frames, 4)) * np.array([0.01, 0.4, 0.2, 0.1])
+    every, accepted, words = np.repeat(covariance[None], frames, axis=0), np.ones(frames, bool), ("",) * frames
+
+    def seen(coefficients: np.ndarray, scale: float):
+        track = ShapeTrack(np.arange(frames), coefficients, every, accepted, words, scale, scale_sigma, np.zeros(2))
+        return from_track(track, np.zeros(frames), length)
+
+    where, square = seen(true, 1.0).points(COMPARED_PLACES)[1], 0.0
+    for _ in range(500):
+        noisy = seen(true + random.standard_normal((frames, 4)) @ np.linalg.cholesky(covariance).T, 1.0 + counted)
+        square += float(np.mean(np.sum((noisy.points(COMPARED_PLACES)[1] - where) ** 2, axis=2))) / 500
+    observation = seen(true, 1.0 + 1.5e-4)
+    stated = points_deviation(observation, np.arange(frames), np.ones(observation.root.shape[1]), COMPARED_PLACES)
+    # A curved arm's lever is shorter than that of the straight one, for which the floor is stated: by a few per cent.
+    assert np.sqrt(np.mean(stated**2)) == pytest.approx(np.sqrt(square), rel=0.06)
