@@ -166,8 +166,10 @@ def baseline_of(problem: Problem, nuisances: tuple[Array, ...], setting: Setting
 
 
 def least_gain(known: Hypothesis, with_law: Hypothesis | None = None) -> float:
-    """Nats that a law must gain in the baseline's recordings to be named there. known: the declared model of these;
-    with_law: the model with the law, if what it leaves is known.
+    """Nats that a law must gain in the baseline's recordings to be named there.
+
+    known: the fitted declared model of these recordings. with_law: the fitted model that has the law, with its rest.
+    Without it, the law counts as one that leaves much.
     """
     motion = motion_shown(known.problem, known.fitted, known.forces, FORCE_SHARES[0])
     left = float("inf") if with_law is None else motion_left(with_law, motion)

@@ -181,8 +181,7 @@ def _check_size(name: str, values: Array, shape: tuple[int, int], file: Path) ->
 
 def _check_shape(shape: ShapeTrack, file: Path) -> None:
     _check_times("shape", shape.t, file)
-    measured = shape.measured()
-    for values in (shape, measured) if measured is not shape else (shape,):
+    for values in (shape, shape.measured()):
         _check_coefficients(values, file)
 
 
