@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import eigh
 from scipy.ndimage import gaussian_filter1d
 
 from affine_model.arm import Arm, active_effects, parameter_index
@@ -99,19 +100,34 @@ def _error(arm: Arm, experiment: Experiment, run: Prediction, seen: Array) -> Se
     n, observation = arm.order, experiment.observation
     shape = run.q[:, :, 0] @ arm.from_monomial.T
     size, of_sensors = observation.slow_errors(experiment.used, shape), observation.sensor_errors(experiment.used)
-    of_shape = np.stack([size, 0.0 * size, np.full(size.size, SHAPE_SHARE), np.full(size.size, SHAPE_TIME)])
-    live, gain = np.any(seen != 0.0, axis=2), experiment.noise_gain
-    alone = live[:, :, None] * np.diag(1.0 / gain)
-    if observation.shapes is None:
-        return SeenError(alone, *np.concatenate([of_shape, of_sensors], axis=1))
-    rows = seen[:, :, : n + 1].copy()
-    pictured = observation.channels - of_sensors.shape[1]
-    rows[:, pictured:] = 0.0  # an error of the pictures
-    information = np.einsum("ckj,ckl->jl", rows, rows) / max(int(np.any(rows != 0.0, axis=(1, 2)).sum()), 1)
-    noise = np.sqrt(np.diag(np.linalg.pinv(information, hermitian=True)))
-    of_shape[1] = TRACKER_ERROR * observation.tracked * noise
-    rows = np.concatenate([rows, alone[:, :, pictured:]], axis=2)
+    live, floor = np.any(seen != 0.0, axis=2), 0.0
+    alone = live[:, :, None] * np.diag(1.0 / experiment.noise_gain)
+    rows = alone
+    if observation.shapes is not None:
+        rows = seen[:, :, : n + 1].copy()
+        pictured = observation.channels - of_sensors.shape[1]
+        rows[:, pictured:] = 0.0  # an error of the pictures
+        if observation.tracked:
+            information = np.einsum("ckj,ckl->jl", rows, rows) / max(int(np.any(rows != 0.0, axis=(1, 2)).sum()), 1)
+            basis, size = _as_noise_errs(size, information)
+            rows, floor = rows @ basis, TRACKER_ERROR
+        rows = np.concatenate([rows, alone[:, :, pictured:]], axis=2)
+    of_shape = np.stack([size, *(np.full(size.size, value) for value in (floor, SHAPE_SHARE, SHAPE_TIME))])
     return SeenError(rows, *np.concatenate([of_shape, of_sensors], axis=1))
+
+
+def _as_noise_errs(size: Array, information: Array) -> tuple[Array, Array]:
+    """A basis W (n, r) of errors, and their sizes s (r,): W'(information) W = 1, and W s^2 W' = diag(size)^2.
+
+    In this basis a tracker's noise has unit size, and its slow errors are alike. Its coordinates err together. What all
+    of them know together would be lost beside a slow error of each alone.
+    """
+    values, vectors = eigh(information)
+    known = values > values.size * np.finfo(float).eps * values[-1]
+    root, vectors = np.sqrt(values[known]), vectors[:, known]
+    across = root[:, None] * vectors.T
+    squares, turned = eigh(across @ np.diag(size**2) @ across.T)
+    return (vectors / root) @ turned, np.sqrt(np.maximum(squares, 0.0))
 
 
 def _linearised(

@@ -10,6 +10,7 @@ from inference.cells import Cells
 from inference.evidence import evidence_beside
 from inference.latent_force import FASTEST_MODE, PLACE, discretised, pose_variance, with_scaled_mass
 from inference.linearise import latent_forces
+from inference.observation import POSE
 from inference.posterior import FORCE_SHARES, filters_at
 
 
@@ -79,6 +80,13 @@ def shortened(force, cells):
     return replace(force, linearised=lin, cells=few, seen=force.seen[:cells], error=error)
 
 
+def silent(force):
+    """The same without variations of the laws, and with base angle and scale known: they never are without an error."""
+    posed = force.seen.copy()
+    posed[:, :, force.linearised.mass.shape[0] :] = 0.0
+    return replace(force, linearised=replace(force.linearised, laws=0.0 * force.linearised.laws), seen=posed)
+
+
 def unit_columns(found):
     """One column of rows (T, K, T K) for every row."""
     cells, channels = found.cells.t.size, found.rows // found.cells.t.size
@@ -87,16 +95,32 @@ def unit_columns(found):
 
 def test_without_unknown_forces_rows_are_as_white_as_they_were(forces):
     found = forces[0]
-    posed = found.seen.copy()
-    posed[:, :, found.linearised.mass.shape[0] :] = 0.0  # base angle and scale are never known without any error
-    silent = replace(found, linearised=replace(found.linearised, laws=0.0 * found.linearised.laws), seen=posed)
-    whitened = silent.filter(1e-9)
+    whitened = silent(found).filter(1e-9)
     rows = np.random.default_rng(0).standard_normal((found.cells.place.max() + 1, found.seen.shape[1], 1))
     turned = np.matmul(found.seeing.transpose(0, 2, 1), whitened.cells.averaged(rows))
     count = found.error.size.size
     apart = np.concatenate([turned[:, :count].ravel(), turned[:, count:].ravel()])
     np.testing.assert_allclose(whitened.whiten(rows)[:, 0], apart, atol=1e-3 * np.abs(apart).max())
     assert abs(whitened.log_determinant) < 1.0
+
+
+def test_slow_errors_of_a_track_hide_no_direction_more_than_another(plain):
+    """A frame of a film knows one combination of root angle and coordinates a million times better than another."""
+    experiment, *others = plain.problem.experiments
+    shapes = experiment.observation
+    told = [0, *range(POSE, shapes.channels)]
+    turned = np.linalg.qr(np.random.default_rng(1).standard_normal((len(told), len(told))))[0]
+    root = np.zeros_like(shapes.root)
+    root[np.ix_(shapes.seen, told, told)] = np.linalg.qr(np.geomspace(1e6, 1.0, len(told))[:, None] * turned)[1]
+    film = replace(experiment, observation=replace(shapes, root=root))
+    problem = replace(plain.problem, experiments=(film, *others))
+    force = latent_forces(problem, plain.fitted.parameters, plain.fitted.nuisances)[0]
+    n, frame = force.linearised.mass.shape[0], int(np.flatnonzero(shapes.seen)[0])
+    directions = np.linalg.qr(root[frame][:, [0, *range(POSE, POSE + n)]])[0]  # unit rows of what the model can show
+    whitened = silent(force).filter(1e-9).whiten(np.repeat(directions[None], len(shapes.t), axis=0))
+    nats = 0.5 * np.sum(whitened**2, axis=0)
+    np.testing.assert_allclose(nats, nats.mean(), rtol=1e-3)
+    assert nats.mean() < 0.25 * experiment.used.sum()  # a slow error hides a slow change beyond frames' noise
 
 
 def test_an_interval_in_two_halves_is_the_same():
