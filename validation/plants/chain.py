@@ -48,9 +48,10 @@ def mover(links: int) -> Mover:
         places: list[Array] = []
         pulls: list[float] = []
         pull = 0.0
+        turns = _accelerations(theta, step)
         for k in range((theta.size - 1) // 2):
             before, middle, after = theta[2 * k : 2 * k + 3]
-            turn = (after - 2.0 * middle + before) / half**2
+            turn = turns[k]
             if k % every == 0:
                 places.append(_nodes(before, bend, float(laws["length"][0])))
             for _ in range(rounds):
@@ -81,6 +82,17 @@ def mover(links: int) -> Mover:
         return found, np.array(pulls)
 
     return move
+
+
+def _accelerations(theta: Array, step: float) -> Array:
+    """Accelerations (K,) of an angle sampled at half steps (2 K + 1,), in the middles of the steps.
+
+    Each is the change between the rates half a step before and after it. So a rate that jumps, as behind a gear with
+    play, strikes by just its jump, wherever in a step it does. Before and after its samples the angle goes on smoothly.
+    """
+    before, after = (3.0 * ends[0] - 3.0 * ends[1] + ends[2] for ends in (theta[:3], theta[:-4:-1]))
+    middles = np.concatenate([[before], theta[1::2], [after]])
+    return (middles[2:] - 2.0 * middles[1:-1] + middles[:-2]) / step**2
 
 
 def _nodes(angle: float, bend: Array, length: float) -> Array:

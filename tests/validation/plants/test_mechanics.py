@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from affine_model.arm import arm_of, parameter_vector
 from affine_model.curvature import midline
@@ -103,6 +104,22 @@ def test_the_plants_steps_follow_sliding_friction(plant):
     # tanh(rate / .4 rad/s) is steep. Each step's iteration ends before it is exact: the rod's error falls linearly.
     coarse, middle = step_errors(plant, {"c_f": 0.1})
     assert max(coarse, middle) < 1.5e-6
+
+
+@pytest.mark.parametrize("plant", [move, mover(24)], ids=("rod", "chain"))
+def test_a_jump_of_the_base_s_rate_strikes_the_plants_once(plant):
+    """As a gear does whose play is used up. The same jump is drawn at four places within a step."""
+    bent = []
+    for share in (0.0, 0.25, 0.5, 0.75):
+        begin = 0.1 + share * STEP
+        angle = 2.0 * np.maximum(half_steps(0.3) - begin, 0.0)  # rad/s
+        places = plant(law_record(**ARM), angle, STEP, 1)[0]
+        run_t = STEP * np.arange(len(places))
+        tip = CubicSpline(run_t, places[:, -1])(begin + np.linspace(0.02, 0.15, 14))
+        bent.append(tip - 0.15 * np.stack([-np.sin(now := 2.0 * np.linspace(0.02, 0.15, 14)), np.cos(now)], axis=1))
+    # A jump between samples is spread over half a step, which moves the blow by up to a quarter of it.
+    for other in bent[1:]:
+        assert np.abs(other - bent[0]).max() < 1e-3 * np.abs(bent[0]).max()
 
 
 def step_errors(plant, numbers):
