@@ -12,6 +12,7 @@ from affine_model.curvature import Array, angle_basis, legendre_to_monomial, mid
 from affine_model.points_beside import points_beside
 from inference.experiment import Experiment, predict
 from inference.fit import Fit
+from inference.measured_shapes import SHAPE_NODES, angle_sensitivity, basis_at_nodes
 from inference.observation import POSE, Observation, ShapeObservation
 from inference.prepare import Prepared
 from inference.trajectory import Problem
@@ -19,6 +20,7 @@ from tentacle.diagnosis import ErrorMeasure, RunComparison, SensorComparison
 
 ANGLE_ORDER = 3  # coordinates of the shape whose tangent angle is compared
 COMPARED_PLACES = np.linspace(0.0, 1.0, 21)  # where a tracked video's midline is compared
+UNSEEN = 5.0  # times the usual deviation of a point: it was hidden
 
 
 @dataclass(frozen=True)
@@ -71,20 +73,31 @@ def points_deviation(observation: ShapeObservation, frames: NDArray[np.intp], ga
     """
     sparse = replace(observation, root=observation.root[frames])
     kept = [0, *range(POSE, POSE + observation.order)]
-    angle = np.column_stack([np.ones(s.size), angle_basis(observation.order, s)])
-    lever = observation.length * np.cumsum(angle, axis=0) / s.size
-    across = np.linalg.norm(lever @ _root_of_covariance(sparse, gain, kept), axis=2)
+    shown, angle = observation.coefficients[frames], observation.theta[frames]
+    q = shown[:, POSE:] @ legendre_to_monomial(observation.order).T
+    # A frame knows its points far better than each coordinate: only the slopes at its own shape keep that.
+    basis = np.column_stack([np.ones(SHAPE_NODES), basis_at_nodes(observation.order)])
+    slopes = angle_sensitivity(q, angle + shown[:, 0], observation.length, s, basis)
+    across = np.linalg.norm(slopes @ _root_of_covariance(sparse, gain, kept)[:, None], axis=(2, 3))
     told = float(np.sum(observation.root[:, 3, 3] ** 2))  # of the recording's one scale, spread over its frames
     apart = float(np.abs(observation.coefficients[observation.seen, 3]).max(initial=0.0))
     return np.hypot(across, observation.length * s * (min(apart, told**-0.5) if told > 0.0 else 0.0))
 
 
 def measured_points(prepared: Prepared) -> tuple[Array, Array]:
-    """s (P,) and measured points (T, P, 2) [m]; NaN where a frame or point was not seen."""
-    observation, recording = prepared.experiment.observation, prepared.recording
+    """s (P,) and measured points (T, P, 2) [m]; NaN where a frame or point was not seen. A track's point that errs more
+    than UNSEEN times as far as in most frames was not: another body hid it, or the tip was not told from the water.
+    """
+    experiment, recording = prepared.experiment, prepared.recording
+    observation = experiment.observation
     if recording.midline is not None and prepared.points is not None:
         return recording.midline.s, np.where(observation.seen[:, None, None], prepared.points, np.nan)
-    return observation.points(COMPARED_PLACES)
+    s, points = observation.points(COMPARED_PLACES)
+    shapes = observation.shapes
+    if shapes is not None and (frames := np.flatnonzero(shapes.seen)).size:
+        errs = points_deviation(shapes, frames, experiment.picture_gain, s)
+        points[frames] = np.where((errs > UNSEEN * np.median(errs, axis=0))[:, :, None], np.nan, points[frames])
+    return s, points
 
 
 def model_run(problem: Problem, fitted: Fit, place: int, s: Array, d: Array | None) -> ModelRun:
@@ -255,7 +268,8 @@ def floor_errors(
             stated = data.sigma[frames]
             distance.append(1e3 * np.sqrt(2.0) * gain * np.where(np.isfinite(stated), stated, source.sigma))
         else:
-            distance.append(1e3 * points_deviation(observation, frames, experiment.picture_gain, run.s))
+            errs = points_deviation(observation, frames, experiment.picture_gain, run.s)
+            distance.append(1e3 * np.where(np.isfinite(run.measured[frames, :, 0]), errs, np.nan))
     noise = _rms(distance)
     total = None if noise is None else float(np.hypot(noise, reduction_mm))
     return ErrorMeasure(total, _rms(angle), _rms(first), _rms(second), None)

@@ -109,7 +109,7 @@ class _Points:
         jacobian[..., 0, 1] = 1.0
         jacobian[..., 1, 2] = 1.0
         jacobian[..., 3] = size * shape
-        jacobian[..., POSE:] = size[..., None] * _angle_sensitivity(q, angle, self.length, s, order)
+        jacobian[..., POSE:] = size[..., None] * angle_sensitivity(q, angle, self.length, s, basis_at_nodes(order))
         error = np.nan_to_num(self.data.xy) - size * shape - coefficients[:, None, 1:3]
         error = error * self.weight[..., None]
         if self.tracker.by_edges:
@@ -129,15 +129,22 @@ class _Points:
         return normal, gradient, np.einsum("tpx,tpx->t", error, error)
 
 
-def _angle_sensitivity(q: Array, angle: Array, length: float, s: Array, order: int) -> Array:
-    """d r(s) / dz = -L int_0^s n(v) beta(v) dv (T, P, 2, order), beta = d alpha / dz (derivative of eq. 3)."""
+def angle_sensitivity(q: Array, angle: Array, length: float, s: Array, basis: Array) -> Array:
+    """d r(s) / dz = -L int_0^s n(v) beta(v) dv (T, P, 2, J), beta = d alpha / dz (derivative of eq. 3).
+
+    q (T, order) and base angle (T,) of the shapes; basis (SHAPE_NODES, J): beta at the nodes of the quadrature.
+    """
     rule = quadrature(SHAPE_NODES)
     phi = angle[:, None] + monomial_angle(q, rule.s)
     weights = length * integration_to(SHAPE_NODES, s)
-    beta = angle_basis(order, rule.s)
     normal = np.stack([np.cos(phi), np.sin(phi)], axis=1)  # (T, 2, N)
-    turned = normal[:, :, :, None] * beta
+    turned = normal[:, :, :, None] * basis
     return -np.moveaxis(np.tensordot(turned, weights, axes=([2], [1])), (1, 2, 3), (2, 3, 1))
+
+
+def basis_at_nodes(order: int) -> Array:
+    """d alpha / dz (SHAPE_NODES, order) at the nodes of the quadrature of `angle_sensitivity`."""
+    return angle_basis(order, quadrature(SHAPE_NODES).s)
 
 
 def from_track(track: ShapeTrack, theta: Array, length: float) -> ShapeObservation:
