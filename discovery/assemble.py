@@ -21,12 +21,12 @@ from discovery.decide import (
 )
 from discovery.detection import of_unnamed
 from discovery.given import Deciding
+from discovery.judged_answer import JudgedAnswer
 from discovery.next_experiment import propose_experiment
-from discovery.predictive_check import is_withdrawn, mass_of_else, predictive_words, unpredicted
+from discovery.predictive_check import predictive_words
 from discovery.search import PosteriorSearch
-from inference.compare import floor_errors, midline_error, run_comparison, run_errors
+from inference.compare import midline_error
 from inference.declared_words import declared_words
-from inference.discrepancy import ModelDiscrepancy
 from inference.estimates import estimates, joint_posterior
 from inference.fit import Fit
 from inference.one_arm import own_geometry_words
@@ -43,50 +43,31 @@ FEWEST_PIECES = 6  # of the recordings: the range of n draws holds the median in
 
 @dataclass(frozen=True)
 class PosteriorContext:
-    """What an answer needs beside the search: the fitted model of the paper, the recordings, the number of coordinates
-    that their shapes show, the reduction's error (None: not known), the detection limits, and the laws that
-    are taken as the arm's own, with the sentence that says why.
+    """What an answer needs beside the search: the fitted model of the paper, the number of coordinates that the
+    recordings' shapes show, the detection limits, and the laws that are taken as the arm's own, with the sentence that
+    says why.
     """
 
     paper: tuple[Problem, Fit]
-    prepared: list[Prepared]
     order: int
-    reduction: ModelDiscrepancy | None
     limits: dict[str, dict[str, Limit]]
     taken: dict[str, str]
 
 
 def assemble_posterior(
-    found: PosteriorSearch,
-    decision: PosteriorDecision,
-    open_loop: Hypothesis,
-    around: PosteriorContext,
-    seed: int,
-    deciding: Deciding,
+    found: PosteriorSearch, judged: JudgedAnswer, around: PosteriorContext, seed: int, deciding: Deciding
 ) -> Diagnosis:
-    """The diagnosis from the hypotheses and the decision, with the paper's model beside the chosen one.
+    """The diagnosis from the hypotheses and the judged answer, with the paper's model beside the chosen one.
 
-    open_loop: the chosen model, as it is written. deciding: how the confidence is calibrated, and the servo's limits.
+    deciding: how the confidence is calibrated, and the servo's limits.
     """
     calibration = deciding.calibration
-    paper, prepared, order, reduction = around.paper, around.prepared, around.order, around.reduction
+    paper, order, prepared = around.paper, around.order, judged.prepared
+    decision, open_loop, withdrawn, sure = judged.decision, judged.open_loop, judged.withdrawn, judged.sure
     chosen = decision.leading
-    is_held_out = any(bool((~p.experiment.used).any()) for p in prepared)
-    final = (open_loop.problem, open_loop.fitted)
-    runs = [run_comparison(p, place, paper, final, is_held_out) for place, p in enumerate(prepared)]
-    before, after = run_errors(runs, prepared, augmented=False), run_errors(runs, prepared, augmented=True)
-    # The reduction's error is part of what the model leaves; a chain of far-off parameters may run elsewhere.
-    lost = 0.0 if reduction is None else min(reduction.millimetres, after.midline_mm or np.inf)
-    floor = floor_errors(runs, prepared, lost)
-    effects, verdict = decision.effects, decision.verdict
-    missing = missing_of(found.hypotheses)
-    temperature = missing.temperature
-    left = unpredicted(_declared_error(found, prepared, is_held_out), after.midline_mm, floor.midline_mm)
-    worse = (after.midline_mm or 0.0) > (before.midline_mm or np.inf)
-    withdrawn = is_withdrawn(decision, missing, left, worse=worse)
-    sure = mass_of_else(decision, missing, left) if withdrawn else decision.confidence
-    if withdrawn:
-        effects, verdict = (), "unknown"
+    before, after, floor = judged.before, judged.after, judged.floor
+    effects, verdict = ((), "unknown") if withdrawn else (decision.effects, decision.verdict)
+    temperature = missing_of(found.hypotheses).temperature
     words = [sentence for p in prepared for sentence in p.words] + own_geometry_words(prepared)
     if order > 2:
         shapes = any(p.experiment.observation.shapes is not None for p in prepared)
@@ -108,7 +89,7 @@ def assemble_posterior(
     words += _decision_words(found, decision)
     if decision.verdict == "nothing_missing":
         words += left_words(after.midline_mm, floor.midline_mm)
-    words += predictive_words(chosen.effects, left, withdrawn=withdrawn) if verdict == "unknown" else []
+    words += predictive_words(chosen.effects, judged.left, withdrawn=withdrawn) if verdict == "unknown" else []
     if proposal is not None:
         words.append(proposal_words(proposal))
     elif rivals:
@@ -125,16 +106,16 @@ def assemble_posterior(
         before=before,
         after=after,
         floor=floor,
-        held_out=is_held_out,
-        ranking=_ranking(found, decision, prepared, is_held_out),
+        held_out=judged.held_out,
+        ranking=_ranking(found, judged),
         next_experiment=None if proposal is None else proposal.asked,
         next_nats=None if proposal is None else proposal.nats,
-        budget=error_budget(before, after, floor, lost),
+        budget=error_budget(before, after, floor, judged.lost),
         base_model=Model(d.specimen, d.fluid, d.gravity, 2, base),
         augmented_model=Model(d.specimen, d.fluid, d.gravity, chosen.problem.arm.order, written, joint),
         twin_names=tuple(c.effect.name for c in candidates),
         twin_cosines=twin_cosines(candidates) if candidates else np.zeros((0, 0)),
-        runs=tuple(run for run, _, _ in runs),
+        runs=tuple(run for run, _, _ in judged.runs),
         words=tuple(words),
         seed=seed,
         explained=explained(found.base, chosen, seed) if effects and chosen.effects else None,
@@ -143,12 +124,6 @@ def assemble_posterior(
         detection_limits=of_unnamed(around.limits, effects),
         where=_where(effects, prepared, chosen),
     )
-
-
-def _declared_error(found: PosteriorSearch, prepared: list[Prepared], is_held_out: bool) -> float | None:
-    """The error of the declared model [mm] on the judged frames, with all coordinates and without unknown forces."""
-    declared = next(h for h in found.hypotheses if not h.effects)
-    return None if declared.alone is None else midline_error(prepared, declared.problem, declared.alone, is_held_out)
 
 
 def _where(effects: tuple[str, ...], prepared: list[Prepared], chosen: Hypothesis) -> dict[str, tuple[str, ...]]:
@@ -284,9 +259,7 @@ def _to_be_split(found: PosteriorSearch, decision: PosteriorDecision) -> tuple[H
     return (single[0], tuple(single[1:ACCOUNTS])) if len(single) > 1 else (leading, ())
 
 
-def _ranking(
-    found: PosteriorSearch, decision: PosteriorDecision, prepared: list[Prepared], is_held_out: bool
-) -> tuple[RankedEffect, ...]:
+def _ranking(found: PosteriorSearch, judged: JudgedAnswer) -> tuple[RankedEffect, ...]:
     refitted = {h.effects[0]: h for h in found.hypotheses if len(h.effects) == 1}
     rows = []
     for candidate in found.candidates:
@@ -294,7 +267,7 @@ def _ranking(
         error, gain = None, candidate.gain
         if name in refitted:
             h = refitted[name]
-            error = midline_error(prepared, h.problem, h.fitted, is_held_out)
+            error = midline_error(judged.prepared, h.problem, h.fitted, judged.held_out)
             gain = h.highest() - found.base.highest()
-        rows.append(RankedEffect(name, float(gain), error, decision.masses.get(name, 0.0)))
+        rows.append(RankedEffect(name, float(gain), error, judged.decision.masses.get(name, 0.0)))
     return tuple(sorted(rows, key=lambda row: (-row.probability, -row.score)))

@@ -45,7 +45,7 @@ and its name is open.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from math import comb
 
@@ -231,10 +231,13 @@ def log_masses(h: Hypothesis, missing: Missing) -> tuple[float, float]:
     return (within if usable(h) else -np.inf), beyond
 
 
-def decide_by_mass(hypotheses: list[Hypothesis]) -> PosteriorDecision:
-    """The verdict over hypotheses, one for each set of effects and one without effects."""
+def decide_by_mass(hypotheses: list[Hypothesis], refuted: Collection[tuple[str, ...]] = ()) -> PosteriorDecision:
+    """The verdict over hypotheses, one for each set of effects and one without effects. refuted: sets that cannot be
+    all that acts, whatever their evidence.
+    """
     missing = missing_of(hypotheses)
     logs = np.array([log_masses(h, missing) for h in hypotheses])
+    logs[[h.effects in refuted for h in hypotheses], 0] = -np.inf
     mass = np.exp(logs - np.logaddexp.reduce(logs.ravel()))
     unexplained = float(mass[:, 1].sum())
     empty = next(k for k, h in enumerate(hypotheses) if not h.effects)

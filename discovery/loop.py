@@ -18,6 +18,7 @@ from discovery.decide import PosteriorDecision, decide_by_mass, log_prior_of_set
 from discovery.declared_fit import DeclaredFit, as_fitted, fit_declared, with_own_laws
 from discovery.detection import detection_limits
 from discovery.given import Deciding, Given
+from discovery.judged_answer import judged_answer
 from discovery.laws.propose import propose_laws
 from discovery.laws.rivals import sought_forms, with_laws
 from discovery.search import PosteriorSearch, search_posterior
@@ -104,25 +105,28 @@ def _answered(searched: LoopSearch, seed: int, deciding: Deciding, progress: Sta
     limits = detection_limits(leading, missing_of(found.hypotheses).temperature)
     progress("comparing")
     found = replace(found, hypotheses=tuple(_whole(h, prepared) for h in found.hypotheses))
-    decision = decide_by_mass(list(found.hypotheses))
-    open_loop = _open_loop(decision.leading)
-    # The floor is the noise that the answer leaves: the declared model's residual may hold more.
-    judged = [
-        replace(p, experiment=recalibrated(replace(experiment, observation=p.experiment.observation), residuals))
-        for p, experiment, residuals in zip(
-            prepared, open_loop.problem.experiments, open_loop.fitted.residuals, strict=False
-        )
-    ]
-    around = PosteriorContext(declared.paper, judged, declared.order, reduction, limits, declared.own_laws)
-    answer = assemble_posterior(found, decision, open_loop, around, seed, deciding)
-    own_error = decision.leading.share <= base.baseline_share
+    judged = judged_answer(found, declared.paper, reduction, partial(_written, prepared))
+    around = PosteriorContext(declared.paper, declared.order, limits, declared.own_laws)
+    answer = assemble_posterior(found, judged, around, seed, deciding)
+    own_error = judged.decision.leading.share <= base.baseline_share
     named = sought_forms(answer, own_error) if deciding.laws else ()
     if not named:
         return answer
     base = next(h for h in found.hypotheses if not h.effects)
     alone = _open_loop(base)
-    missing = propose_laws((_on_processor(alone.problem), alone.fitted), judged, progress, named)
+    missing = propose_laws((_on_processor(alone.problem), alone.fitted), judged.prepared, progress, named)
     return with_laws(answer, missing)
+
+
+def _written(prepared: Sequence[Prepared], h: Hypothesis) -> tuple[Hypothesis, list[Prepared]]:
+    """The hypothesis as it is written, and the recordings with the noise that it leaves: the declared model's residual
+    may hold more.
+    """
+    written, found = _open_loop(h), []
+    for p, experiment, residuals in zip(prepared, written.problem.experiments, written.fitted.residuals, strict=False):
+        own = replace(experiment, observation=p.experiment.observation)
+        found.append(replace(p, experiment=recalibrated(own, residuals)))
+    return written, found
 
 
 def _base(problem: Problem, fitted: Fit, reduction: ModelDiscrepancy | None) -> Hypothesis:
