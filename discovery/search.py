@@ -14,7 +14,7 @@ import numpy as np
 
 from discovery.answer import MOST_EFFECTS
 from discovery.begin import at_origin, begun_about, may_be_named
-from discovery.decide import log_masses, missing_of
+from discovery.decide import log_masses, missing_of, stands_at_bound
 from discovery.exchange import NEGLIGIBLE_NATS, exchange_starts
 from discovery.nested import Pair, nested_pairs, nested_refit, stands_in_another_valley
 from discovery.rank import ranking
@@ -73,7 +73,7 @@ def search_posterior(
         ]
         promising = _promising(side_by_side(tasks))
         found = side_by_side([partial(_fitted, one, base.forces, temperature) for one in promising])
-        tried = _with_rests(_with(tried, found))
+        tried = _with_rests(_with(tried, _best_with_rest(tried, found)))
         progress((number + 1.0) / ROUNDS)
         if _leading(tried).effects == centre.effects:
             tried = _with_rests(_with(tried, _exchanged(centre, tried, temperature)))
@@ -166,6 +166,17 @@ def _preferred(h: Hypothesis, known: Hypothesis, temperature: float) -> Hypothes
     few, more = sorted((h, known), key=lambda one: len(one.problem.free))
     asked = FOR_A_SHAPE * temperature if len(few.problem.free) < len(more.problem.free) else 0.0
     return more if more.highest() > few.highest() + asked else few
+
+
+def _best_with_rest(tried: Tried, found: list[Hypothesis]) -> list[Hypothesis]:
+    """What was found; the best, where it is better than all before, with the rest that it leaves. The coarsening of the
+    decision depends on it, and with that whether a shape is worth its price: one that is given up is not tried again.
+    """
+    best = max((h for h in found if not stands_at_bound(h)), key=lambda h: h.highest(), default=None)
+    if best is None or best.alone is not None or best.highest() <= max(h.highest() for h in tried.values()):
+        return found
+    known = with_rest(best, tried[frozenset()])
+    return [known if h is best else h for h in found]
 
 
 def _with_rests(tried: Tried) -> Tried:
