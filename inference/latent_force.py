@@ -8,11 +8,12 @@ CORRELATION_LENGTH arm lengths and, in time, a Matern-3/2 process of ELL times t
 constant. c: the laws' coefficients are known up to a slow variation along the arm, and Q(t) c is what it does. b: a
 slow error of the base's angle, a times the base's motion; e: slow and constant errors of the measured shape, of size a
 times the shape's motion, and of where the markers sit; a tracker's are at any a as large and as correlated as its noise
-(inference.linearise). All are Gaussian, of unit size but for what is said here. a, the share of the acting forces that is unknown, is the one hyperparameter. M, D, K are those of the model's laws, averaged
-along the fitted motion; of modes faster than FASTEST the mass is scaled up until they are as slow: a force so smooth
-moves them by their stiffness alone. One Kalman pass whitens any number of residual columns alike, and what is constant
-is marginalised out of them (inference.unknown_constants): the sum of squares of the whitened rows and log_determinant
-are the marginal likelihood, linear in frames.
+(inference.linearise). All are Gaussian, of unit size but for what is said here. a, the share of the acting forces that
+is unknown, is the one hyperparameter. M, D, K are those of the model's laws, averaged along the fitted motion; of modes
+faster than FASTEST the mass is scaled up until they are as slow: a force so smooth moves them by their stiffness alone.
+One Kalman pass whitens any number of residual columns alike, and what is constant is marginalised out of them
+(inference.unknown_constants): the sum of squares of the whitened rows and log_determinant are the marginal likelihood,
+linear in frames.
 
 An accelerometer's rows see e alone. They would see z'' and b'', and b'' is white noise, as a Matern-3/2 process has one
 derivative. So its e stands for all that z, c and b do to it. An unknown share of the acting forces accelerates
