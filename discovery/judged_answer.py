@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from discovery.decide import Missing, PosteriorDecision, decide_by_mass, missing_of
+from discovery.decide import PosteriorDecision, decide_by_mass, missing_of
 from discovery.predictive_check import is_withdrawn, mass_of_else, unpredicted
 from discovery.search import PosteriorSearch
 from inference.compare import ModelRun, floor_errors, midline_error, run_comparison, run_errors
@@ -65,7 +65,7 @@ def judged_answer(
     """The first decision whose answer the judged frames do not refute. open_loop: a hypothesis as it is written, and
     the recordings with the noise that it leaves.
     """
-    missing, refuted = missing_of(found.hypotheses), list[tuple[str, ...]]()
+    refuted = list[tuple[str, ...]]()
     first: JudgedAnswer | None = None
     while True:
         decision = decide_by_mass(list(found.hypotheses), refuted)
@@ -73,7 +73,7 @@ def judged_answer(
             credible = [h.effects for h in (first.decision.leading, *first.decision.rivals)]
             if decision.verdict not in ("effect", "group") or decision.leading.effects not in credible:
                 return first
-        judged = _judged(found, decision, missing, (paper, reduction), open_loop(decision.leading))
+        judged = _judged(found, decision, paper, reduction, open_loop(decision.leading))
         if not judged.withdrawn:
             return judged
         first = first or judged
@@ -83,12 +83,12 @@ def judged_answer(
 def _judged(
     found: PosteriorSearch,
     decision: PosteriorDecision,
-    missing: Missing,
-    known: tuple[tuple[Problem, Fit], ModelDiscrepancy | None],
+    paper: tuple[Problem, Fit],
+    reduction: ModelDiscrepancy | None,
     written: tuple[Hypothesis, list[Prepared]],
 ) -> JudgedAnswer:
-    (paper, reduction), (open_loop, prepared) = known, written
-    held_out = any_held_out(prepared)
+    open_loop, prepared = written
+    missing, held_out = missing_of(found.hypotheses), any_held_out(prepared)
     final = (open_loop.problem, open_loop.fitted)
     runs = [run_comparison(p, place, paper, final, held_out) for place, p in enumerate(prepared)]
     before, after = run_errors(runs, prepared, augmented=False), run_errors(runs, prepared, augmented=True)
